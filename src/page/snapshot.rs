@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
-/// What a render shows.
+/// A picture that a render shows: a coarse one before the first pass, or that of some passes.
 #[derive(Debug)]
 pub(crate) enum Shown<'a> {
     Coarse(CoarsePicture),

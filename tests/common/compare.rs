@@ -169,6 +169,14 @@ pub(crate) fn assert_same(name: &str, a: &Measured, b: &Measured, noise: f64) {
     assert!(found.is_equal(), "{found}");
 }
 
+/// Compares two pictures of which one has a fault, and prints the result. Checks that they differ.
+#[track_caller]
+pub(crate) fn assert_differs(name: &str, a: &Measured, b: &Measured) {
+    let found = compare(a, b);
+    println!("{name}: {found}");
+    assert!(!found.is_equal());
+}
+
 /// Compares measured values with known ones.
 pub(crate) fn compare_with(a: &Measured, truth: &[f64]) -> Comparison {
     let exact = Measured { runs: vec![truth.to_vec(), truth.to_vec()] };

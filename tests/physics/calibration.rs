@@ -310,7 +310,7 @@ fn check_median_forecast(name: &str, film: [u64; 2]) -> Forecasts {
     found
 }
 
-/// Checks the intervals of the forecasts of a scene: progress must not promise a time that is wrong.
+/// Checks the intervals of the forecasts of a scene: progress must not promise a wrong time.
 fn check_intervals(name: &str, film: [u64; 2]) {
     let found = forecasts(name, film);
     assert!(found.held >= SEEDS - 1, "{name}: {} intervals hold", found.held);

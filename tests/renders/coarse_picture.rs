@@ -81,7 +81,8 @@ fn a_coarse_picture_shows_the_scene_and_leaves_the_render_unchanged() {
     }
 }
 
-/// The full picture uses the radii of the pilot's survey, and leaves the rest of the pilot unchanged.
+/// The full picture uses the radii of the pilot's survey, and leaves the rest of the pilot as it
+/// is.
 #[test]
 fn a_full_coarse_picture_leaves_the_render_unchanged() {
     let [(plain, _), (rendered, shown)] =

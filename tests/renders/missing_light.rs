@@ -45,7 +45,7 @@ fn the_bias_is_unknown_where_paths_miss_light() {
         assert_eq!(stats.unfound_lights, if misses { vec!["lamp"] } else { vec![] });
         assert!(stats.warnings.iter().all(|warning| stats.notes.contains(warning)));
     }
-    // The path tracer has no photons that could be left out, and finds some of this light by chance.
+    // The path tracer has no photons that could be left out, and finds some of this light.
     let forbidden = with_setting(&below_glass(0.01), "forbid", json!(["caustics"]));
     assert_eq!(render(&forbidden, Integrator::Path, 8).stats.unfound_lights, ["lamp"]);
 }

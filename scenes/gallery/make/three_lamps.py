@@ -49,7 +49,7 @@ def depth(x, y, back=False):
 
 
 def sheet(x, y, lift, back):
-    """Vertices of the cloth at these points: positions, normals and texture coordinates in 10 cm."""
+    """Vertices of the cloth: positions, normals and texture coordinates in 10 cm."""
     e = 0.05
     z = depth(x, y, back)
     normal = np.stack([-(depth(x + e, y, back) - depth(x - e, y, back)), -(depth(x, y + e, back) - depth(x, y - e, back)), np.full(x.shape, 2 * e)], -1)

@@ -4,6 +4,7 @@
 //! reflected light inside, and reports the light that leaves at each face (Macke, Mueller & Raschke
 //! 1996, "Single scattering properties of atmospheric ice crystals").
 
+use crate::fresnel::{dielectric, reflect, refract};
 use abbe_spectra::math::elementary::{powf, sin_cos};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_3;
@@ -47,8 +48,8 @@ impl Crystal {
         }
     }
 
-    /// Returns the mean over all directions of the area that light meets, a quarter of the surface of
-    /// a convex body (Cauchy 1841).
+    /// Returns the mean over all directions of the area that light meets, a quarter of the surface
+    /// of a convex body (Cauchy 1841).
     pub(super) fn mean_area(&self) -> f64 {
         0.25 * self.areas.iter().sum::<f64>()
     }
@@ -89,8 +90,8 @@ impl Crystal {
         mut leaves: impl FnMut(DVec3, f64, Option<[usize; 2]>),
     ) {
         let normal = self.normals[entered];
-        let Some((reflectance, mut inside)) = interface(travel, normal, 1.0 / n) else { return };
-        leaves(travel - 2.0 * travel.dot(normal) * normal, reflectance, None);
+        let Some((reflectance, mut inside)) = interface(travel, normal, [1.0, n]) else { return };
+        leaves(reflect(-travel, normal), reflectance, None);
         let mut power = 1.0 - reflectance;
         for reflections in 0..MOST_REFLECTIONS {
             let (mut left, mut nearest) = (0, f64::INFINITY);
@@ -103,14 +104,14 @@ impl Crystal {
             }
             point += inside * nearest;
             let normal = self.normals[left];
-            if let Some((reflectance, outside)) = interface(inside, -normal, n) {
+            if let Some((reflectance, outside)) = interface(inside, normal, [n, 1.0]) {
                 leaves(outside, power * (1.0 - reflectance), (reflections == 0).then_some([entered, left]));
                 power *= reflectance;
             }
             if power < LEAST_POWER {
                 break;
             }
-            inside -= 2.0 * inside.dot(normal) * normal;
+            inside = reflect(-inside, normal);
         }
     }
 }
@@ -137,16 +138,8 @@ fn hexagon(sixths: f64) -> DVec3 {
 }
 
 /// Returns the reflectance for natural light and the refracted direction, or `None` for total
-/// reflection. `normal` is on the side of the light, and `ratio` the index there divided by the
-/// other.
-fn interface(travel: DVec3, normal: DVec3, ratio: f64) -> Option<(f64, DVec3)> {
-    let cos = -travel.dot(normal);
-    let square = 1.0 - ratio * ratio * (1.0 - cos * cos);
-    if square <= 0.0 {
-        return None;
-    }
-    let other = square.sqrt();
-    let s = (ratio * cos - other) / (ratio * cos + other);
-    let p = (cos - ratio * other) / (cos + ratio * other);
-    Some((0.5 * (s * s + p * p), (ratio * travel + (ratio * cos - other) * normal).normalize()))
+/// reflection, between the indices before and behind a face.
+fn interface(travel: DVec3, normal: DVec3, [before, behind]: [f64; 2]) -> Option<(f64, DVec3)> {
+    let refracted = refract(-travel, normal, before, behind)?;
+    Some((dielectric(travel.dot(normal), before, behind), refracted))
 }

@@ -1,7 +1,7 @@
 //! A pdf of directions, tabulated for light of one elevation and a few wavelengths.
 //!
-//! The coordinates are the azimuth φ from the light's direction of travel, in [0, π], and the sine z
-//! of the elevation, so that dφ dz is the solid angle. The pdf is symmetric about φ = 0, and
+//! The coordinates are the azimuth φ from the light's direction of travel, in [0, π], and the sine
+//! z of the elevation, so that dφ dz is the solid angle. The pdf is symmetric about φ = 0, and
 //! bilinear in φ and z between nodes that are evenly spaced in φ and in the elevation.
 
 use abbe_spectra::math::elementary::{asin, sin};
@@ -133,7 +133,8 @@ impl DirectionTable {
         0.5 * (below + t * (above - below))
     }
 
-    /// Samples the azimuth in [0, π] and the sine of the elevation with the pdf [`eval`](Self::eval).
+    /// Samples the azimuth in [0, π] and the sine of the elevation with the pdf
+    /// [`eval`](Self::eval).
     pub(super) fn sample(&self, grid: &DirectionGrid, [mut u, mut v]: [f64; 2]) -> (f64, f64) {
         let row = select(&self.rows, &mut u);
         let first = row * (grid.side() + 1);
@@ -196,8 +197,8 @@ fn select(cumulative: &[f32], u: &mut f64) -> usize {
 /// Smooths the powers of traced rays at the nodes of a grid, at several wavelengths. `squares` are
 /// the sums of the squared powers of the rays.
 ///
-/// Each node gets the mean power per solid angle in a window around it, the same at all wavelengths.
-/// Windows grow until their effective number of rays (Kish 1965) is at least `rays`, or until the
+/// Each node gets the mean power per solid angle in a window around it, the same at all
+/// wavelengths. Windows grow until their effective number of rays (Kish 1965) is at least `rays`, or until the
 /// mean differs from that of a smaller window by more than its noise (Lepski 1991), so that bright
 /// features do not blur into their surroundings. With `whole_rows`, windows have the whole width of
 /// the table.

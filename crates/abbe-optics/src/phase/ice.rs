@@ -2,9 +2,9 @@
 //!
 //! The crystals are hexagonal columns and plates of ice at −7 °C in all orientations, whose length
 //! is 0.5 to 2 times their width. An orientation counts by the area that the crystal turns to the
-//! light, and each length as much as the others. Rays follow geometrical optics, with the ordinary index and
-//! without absorption: crystals refract by their prisms of 60° and 90°, which makes the halos of
-//! 22° and 46°. As much light as they intercept is diffracted forwards. Discs of the same projected
+//! light, and each length as much as the others. Rays follow geometrical optics, with the ordinary
+//! index and without absorption: crystals refract by their prisms of 60° and 90°, which makes the
+//! halos of 22° and 46°. As much light as they intercept is diffracted forwards. Discs of the same projected
 //! area, whose radii have a lognormal distribution with a median of 50 µm and a standard deviation
 //! of ln r of 0.26, stand for their shadows, and blur the light that leaves a crystal in its old
 //! direction as well. The table is for parallel light, so the sun blurs the rendered halos as in

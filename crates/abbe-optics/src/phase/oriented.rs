@@ -1,10 +1,10 @@
 //! The phase function of ice crystals that prefer an orientation while they fall.
 //!
-//! Plates fall with a vertical axis, columns with a horizontal axis (Greenler 1980, *Rainbows, Halos,
-//! and Glories*; Tape 1994, *Atmospheric Halos*). Their light makes sundogs, the parhelic circle, the
-//! circumzenithal arc, tangent arcs, pillars and the subsun. Rays are traced through crystals before
-//! the first event of light, for light of some elevations, among them those of the scene's distant
-//! lights. The vertical is the y axis of the scene.
+//! Plates fall with a vertical axis, columns with a horizontal axis (Greenler 1980, *Rainbows,
+//! Halos, and Glories*; Tape 1994, *Atmospheric Halos*). Their light makes sundogs, the parhelic
+//! circle, the circumzenithal arc, tangent arcs, pillars and the subsun. Rays are traced through
+//! crystals before the first event of light, for light of some elevations, among them those of the
+//! scene's distant lights. The vertical is the y axis of the scene.
 //!
 //! Between two elevations, the pdf is a mixture of two tables. The sine z of the elevation of the
 //! scattered light is stretched, so that light which keeps the elevation of the incident light, or
@@ -253,9 +253,14 @@ impl IceTables {
 
 /// Returns the numbers of the tables below and above the sine of an elevation, and their weights.
 fn around(nodes: &[Elevation], sine: f64) -> [(usize, f64); 2] {
-    let after = nodes.partition_point(|node| node.sine <= sine).clamp(1, nodes.len() - 1);
-    let [below, above] = [after - 1, after].map(|number| nodes[number].sine);
-    let weight = ((sine - below) / (above - below)).clamp(0.0, 1.0);
+    between(nodes, |node| node.sine, sine)
+}
+
+/// Returns the indices of the ascending keys below and above a value, and their weights.
+fn between<T>(list: &[T], key: impl Fn(&T) -> f64, value: f64) -> [(usize, f64); 2] {
+    let after = list.partition_point(|item| key(item) <= value).clamp(1, list.len() - 1);
+    let [below, above] = [after - 1, after].map(|index| key(&list[index]));
+    let weight = ((value - below) / (above - below)).clamp(0.0, 1.0);
     [(after - 1, 1.0 - weight), (after, weight)]
 }
 
@@ -327,12 +332,11 @@ fn stretched(z: f64, from: f64, to: f64) -> (f64, f64) {
 
 /// Returns the columns next to a wavelength in nm, and their weights.
 fn columns(nm: f64) -> [(usize, f64); 2] {
-    let after = NM.partition_point(|&known| known <= nm).clamp(1, NM.len() - 1);
-    let weight = ((nm - NM[after - 1]) / (NM[after] - NM[after - 1])).clamp(0.0, 1.0);
-    [(after - 1, 1.0 - weight), (after, weight)]
+    between(&NM, |&known| known, nm)
 }
 
-/// Returns a wavelength in nm between the columns `after` − 1 and `after`, or as far beyond the ends.
+/// Returns a wavelength in nm between the columns `after` − 1 and `after`, or as far beyond the
+/// ends.
 fn nm_between(after: usize, t: f64) -> f64 {
     let of_step = after.clamp(1, NM.len() - 1);
     let width = NM[of_step] - NM[of_step - 1];

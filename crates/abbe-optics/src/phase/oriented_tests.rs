@@ -234,7 +234,8 @@ fn in_cone(ice: &IceTables, arriving: DVec3, nm: f64, cosine: f64) -> f64 {
     sum
 }
 
-/// Compares counts of samples with integrals of the pdf, in cells of 15° by 30° and in the cone of 3° around the old direction.
+/// Compares counts of samples with integrals of the pdf, in cells of 15° by 30° and in the cone of
+/// 3° around the old direction.
 #[test]
 fn samples_follow_the_pdf() {
     const CELLS: usize = 12;

@@ -17,8 +17,9 @@
 //!
 //! A forecast has an interval. It contains the scatter of the measured errors about the fit, which
 //! is large if rare bright samples cause them, and the uncertainty of the rate, which matters more
-//! the farther the forecast reaches. Where few pixels with rare bright samples have almost all of the
-//! error, more of them may appear and raise the error of a typical pixel, so the rate is unknown.
+//! the farther the forecast reaches. Where few pixels with rare bright samples have almost all of
+//! the error, more of them may appear and raise the error of a typical pixel, so the rate is
+//! unknown.
 
 use abbe_spectra::math::elementary::{exp, ln, log10, powf};
 use abbe_spectra::math::random::REPLICATES;

@@ -16,19 +16,16 @@ impl Job {
     /// light of small lamps and of the sun behind glass, mirrors or slightly rough metal seldom or
     /// never. Its shadow rays pass through thin panes, so panes alone need no photons.
     pub fn integrator_for_meters(&self) -> Integrator {
-        if self.ray_sets().next().is_some() {
-            return Integrator::Photon;
-        }
         let caustics = self.plan.caustics != CausticPlan::Absent;
-        if self.deflects_hidden_lamps(caustics) { Integrator::Photon } else { Integrator::Path }
+        if self.needs_photons(caustics) { Integrator::Photon } else { Integrator::Path }
     }
 
-    /// Returns true if metal, or with `caustics` also mirrors or glass, deflect the light of lamps
-    /// that the path tracer finds seldom or never.
-    fn deflects_hidden_lamps(&self, caustics: bool) -> bool {
+    /// Returns true if only photons carry the light of a lamp, or if metal, or with `caustics` also
+    /// mirrors or glass, deflect the light of lamps that the path tracer finds seldom or never.
+    fn needs_photons(&self, caustics: bool) -> bool {
         let mirrors = |bsdf: &Bsdf| bsdf.class() == BsdfClass::Specular && bsdf.uniform_pane().is_none();
         let focusing = caustics && self.any_surface(mirrors) || self.has_narrow_lobes();
-        focusing && self.hidden_lamps().next().is_some()
+        self.ray_sets().next().is_some() || focusing && self.hidden_lamps().next().is_some()
     }
 
     fn any_surface(&self, is: impl Fn(&Bsdf) -> bool) -> bool {
@@ -55,7 +52,7 @@ impl Job {
     /// of their light straight; the bias contains the light between several of them. The path
     /// tracer also finds, by chance, the light of forbidden caustics.
     pub(super) fn errors_are_unknown(&self, integrator: Integrator) -> bool {
-        integrator == Integrator::Path && (self.ray_sets().next().is_some() || self.deflects_hidden_lamps(true))
+        integrator == Integrator::Path && self.needs_photons(true)
     }
 
     /// Returns a note if the path tracer leaves out light that panes, glass or mirrors deflect.

@@ -86,8 +86,8 @@ impl Job {
         let selector =
             if stopped { Cow::Borrowed(context.selector) } else { learn_lights(&context, &mut run.sums.seconds) };
         let context = PassContext { selector: &selector, ..context };
-        // The pilot depends only on the scene, the seed and the size of the passes, which is saved, so
-        // that of a resumed run is the same.
+        // The pilot depends only on the scene, the seed and the size of the passes, which is saved,
+        // so that of a resumed run is the same.
         let levels = if run.done == 0 { monitor.coarse_levels() } else { &[] };
         let pilot = match request.integrator {
             Integrator::Photon if !stopped => {

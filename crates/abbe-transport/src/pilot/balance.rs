@@ -96,7 +96,7 @@ impl BalanceLimits {
     /// Returns the least variance at equal time: the least product of all `variances`.
     pub(super) fn choose<const MEASURES: usize>(self, variances: [Variances; MEASURES], work: Work) -> Balance {
         let of_plain = self.plain().work(work);
-        let variance = |choice: &Balance| variances.map(|of_one| choice.variance(of_one)).iter().product::<f64>();
+        let variance = |choice: &Balance| choice.product_of(variances);
         let cost_of = |choice: &Balance| cost(variance(choice), choice.work(work) / of_plain, MEASURES);
         let has_ribbons = work.paint > 0.0;
         let choices = || self.choices(has_ribbons).filter(|choice| choice.work(work) <= LONGEST_PASS * of_plain);
@@ -116,14 +116,10 @@ impl BalanceLimits {
         work: Work,
         most: f64,
     ) -> Balance {
-        let variance = |choice: &Balance| variances.map(|of_one| choice.variance(of_one)).iter().product::<f64>();
-        let cost_of = |choice: &Balance| variance(choice) * choice.work(work).powi(MEASURES as i32);
-        let of_samples: Vec<i32> = self
-            .camera_samples
-            .map_or((0..=DOUBLINGS_OF_SAMPLES).collect(), |samples| (0..=samples.max(1).ilog2() as i32).collect());
-        let samples = |halvings: i32| self.camera_samples.map_or(1 << halvings, |samples| samples >> halvings);
+        let cost_of = |choice: &Balance| choice.product_of(variances) * choice.work(work).powi(MEASURES as i32);
+        let most_samples = self.camera_samples.unwrap_or(1 << DOUBLINGS_OF_SAMPLES).max(1);
         let divisions = || {
-            let samples = of_samples.iter().map(|&halvings| samples(halvings));
+            let samples = (0..=most_samples.ilog2()).rev().map(|halvings| most_samples >> halvings);
             samples.flat_map(|samples| self.divisions(-HALVINGS..=0, samples, work.paint > 0.0))
         };
         let least_work = || divisions().min_by(|one, other| one.work(work).total_cmp(&other.work(work)));
@@ -142,9 +138,9 @@ impl BalanceLimits {
         samples.flat_map(move |samples| self.divisions(of_photons.clone(), samples, has_ribbons))
     }
 
-    /// Returns the divisions with these numbers of photons, as powers of two, and of camera samples.
-    /// A pass stores at most as many photons on surfaces as the plain division, and at least as many
-    /// as if it traced the least number of paths and stored all photons.
+    /// Returns the divisions with these numbers of photons, as powers of two, and of camera
+    /// samples. A pass stores at most as many photons on surfaces as the plain division, and at
+    /// least as many as if it traced the least number of paths and stored all photons.
     fn divisions(
         self,
         of_photons: RangeInclusive<i32>,
@@ -221,6 +217,11 @@ impl Balance {
             in_squares(of_squares, 16.0),
         ];
         variances.iter().map(|&of_one| self.variance(of_one) * self.work(work)).product()
+    }
+
+    /// Returns the product of several measures of the variance.
+    fn product_of<const MEASURES: usize>(self, variances: [Variances; MEASURES]) -> f64 {
+        variances.map(|of_one| self.variance(of_one)).iter().product()
     }
 
     fn variance(self, of_one: Variances) -> f64 {

@@ -157,8 +157,8 @@ pub struct PictureErrors {
     /// The error of a typical pixel; see [`typical_squares`].
     pub typical: ErrorSquares,
     /// The pixels that the typical error leaves out have more than ten times the squared errors of
-    /// all others together. If one more tenth of such pixels appears, the typical error rises, so its
-    /// history does not tell how it goes on.
+    /// all others together. If one more tenth of such pixels appears, the typical error rises, so
+    /// its history does not tell how it goes on.
     pub has_glints: bool,
 }
 

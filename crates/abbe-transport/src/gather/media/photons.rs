@@ -172,8 +172,8 @@ impl<'a> CameraPass<'a> {
                 return;
             }
             let probability = match photon.beam {
-                Some(_) => 1.0,
-                None => (POINTS_PER_TRANSMITTANCE * exp(-extinction * photon.t)).min(1.0),
+                None if extinction > 0.0 => (POINTS_PER_TRANSMITTANCE * exp(-extinction * photon.t)).min(1.0),
+                None | Some(_) => 1.0,
             };
             if probability < 1.0 && unit_interval(seed.part(photon.t.to_bits()).number()) >= probability {
                 return;
