@@ -18,6 +18,10 @@ const LUMA_LEVELS: usize = 5;
 /// The largest distance of the nine pixels over which a comparison is pooled.
 pub(crate) const LARGEST_PATCH: usize = 4;
 
+/// The same distance for chroma, from the second level on. It divides no step, so that neighbours
+/// share their decisions: a colour that few samples bring would otherwise become a lattice of dots.
+const CHROMA_PATCH: usize = 3;
+
 /// The weights of pixels in the middle and beside it, in each direction.
 const KERNEL: [f32; 2] = [0.375, 0.25];
 
@@ -46,7 +50,7 @@ const LARGEST_RATIO: f32 = 4.0;
 const VARIANCE_RADIUS: usize = 4;
 
 /// Keeps quotients of 0 finite. Below the square of any luminance that matters.
-const TINY: f32 = 1e-30;
+pub(crate) const TINY: f32 = 1e-30;
 
 /// An offset between two pixels, with its weight in the kernel.
 #[derive(Debug, Clone, Copy)]
@@ -88,8 +92,8 @@ struct Level<'h> {
     surfaces: &'h Surfaces,
     /// The distance of neighbouring pixels.
     step: usize,
-    /// The distance of the nine pixels over which a comparison is pooled.
-    patch: usize,
+    /// The distances of the nine pixels over which a comparison is pooled: of luma and of chroma.
+    patches: [usize; 2],
     /// The luminance of each pixel, as the levels before have filtered it.
     luminance: Vec<f32>,
     /// The mean ratios of X and Z to Y around each pixel.
@@ -99,16 +103,31 @@ struct Level<'h> {
     /// The mean variance around each pixel.
     around: [Vec<f32>; 2],
     luma: bool,
+    /// Y of the guiding replicates, compressed.
+    compressed: [Vec<f32>; OWN],
+}
+
+/// Returns a luminance on the scale of the tests. Rare bright samples count less on it, so they do
+/// not hide the differences of the many others: that between two facets of a brilliant, for
+/// example. A test of small differences, or of only two values, is the same on any scale.
+fn compress(luminance: f32) -> f32 {
+    luminance.max(0.0).sqrt().sqrt()
 }
 
 /// The numbers of a comparison: squares of differences, and their variances, for luma and the two
 /// chromas.
 const STATISTICS: usize = 6;
 
+/// Returns 0 if a statistic is of luma, and 1 if it is of chroma.
+fn kind(statistic: usize) -> usize {
+    usize::from(statistic >= 2)
+}
+
 impl<'h> Level<'h> {
     fn new(half: &'h Half, surfaces: &'h Surfaces, nth: usize) -> Self {
         let (size, step) = (half.size, 1 << nth);
-        let patch = step.min(LARGEST_PATCH);
+        let patches = [step.min(LARGEST_PATCH), if step == 1 { 1 } else { CHROMA_PATCH }];
+        let [patch, _] = patches;
         let mean = |c: usize| {
             let [a, b] = [0, 1].map(|group| &half.guide_colour[group][c]);
             let f = half.groups.weights;
@@ -142,15 +161,27 @@ impl<'h> Level<'h> {
         });
         let around = [&luma, &chroma].map(|plane| mean_around(plane, size, VARIANCE_RADIUS, patch));
         let variances = [luma, chroma];
-        Self { half, surfaces, step, patch, luminance, ratios, variances, around, luma: nth < LUMA_LEVELS }
+        let compressed = std::array::from_fn(|k| half.guide[k].iter().map(|&y| compress(y)).collect());
+        Self {
+            half,
+            surfaces,
+            step,
+            patches,
+            luminance,
+            ratios,
+            variances,
+            around,
+            luma: nth < LUMA_LEVELS,
+            compressed,
+        }
     }
 
     /// Compares the pixels of a row with their partners. Writes the sums over three columns.
     fn compare(&self, (first, partner): (usize, usize), columns: &Range<usize>, row: &mut Comparisons) {
-        let Half { guide, guide_colour, replicates, groups, .. } = self.half;
+        let Half { guide_colour, replicates, groups, .. } = self.half;
         let count = columns.len();
-        let a: [&[f32]; OWN] = std::array::from_fn(|k| &guide[k][first..][..count]);
-        let b: [&[f32]; OWN] = std::array::from_fn(|k| &guide[k][partner..][..count]);
+        let a: [&[f32]; OWN] = std::array::from_fn(|k| &self.compressed[k][first..][..count]);
+        let b: [&[f32]; OWN] = std::array::from_fn(|k| &self.compressed[k][partner..][..count]);
         let [square, variance, chroma @ ..] = &mut row.own;
         for i in 0..count {
             let difference: [f32; OWN] = std::array::from_fn(|k| a[k][i] - b[k][i]);
@@ -174,11 +205,12 @@ impl<'h> Level<'h> {
                 variance[i] = groups.variance(difference);
             }
         }
-        for (own, sums) in row.own.iter().zip(&mut row.sums) {
+        for (nth, (own, sums)) in row.own.iter().zip(&mut row.sums).enumerate() {
+            let patch = self.patches[kind(nth)];
             let own = &own[..count];
             let sums = &mut sums[columns.clone()];
             sums.copy_from_slice(own);
-            let inner = count.saturating_sub(self.patch);
+            let inner = count.saturating_sub(patch);
             sums[..inner].iter_mut().zip(&own[count - inner..]).for_each(|(sum, own)| *sum += own);
             sums[count - inner..].iter_mut().zip(&own[..inner]).for_each(|(sum, own)| *sum += own);
         }
@@ -205,9 +237,10 @@ impl Comparisons {
     }
 }
 
-/// Applies all levels of the filter.
+/// Applies all levels of the filter, and the first one once more: after steps of two pixels and
+/// more, neighbours are means of different pixels.
 pub(crate) fn filtered(half: Half, surfaces: &Surfaces) -> Half {
-    (0..LEVELS).fold(half, |half, nth| level(&half, surfaces, nth))
+    (0..LEVELS).chain([0]).fold(half, |half, nth| level(&half, surfaces, nth))
 }
 
 /// Filters all planes with steps of 2ⁿ pixels.
@@ -224,7 +257,8 @@ fn level(half: &Half, surfaces: &Surfaces, nth: usize) -> Half {
         let first = number * ROWS;
         let rows = planes[0].len() / width;
         let mut totals = [0, 1].map(|_| vec![0.0_f32; rows * width]);
-        let mut comparisons = vec![Comparisons::new(width); rows + 2 * level.patch];
+        let reach = level.patches.into_iter().max().unwrap_or_default();
+        let mut comparisons = vec![Comparisons::new(width); rows + 2 * reach];
         let mut weights = [0, 1].map(|_| vec![0.0_f32; width]);
         for offset in Offset::all(level.step) {
             let columns = offset.columns(width);
@@ -235,7 +269,7 @@ fn level(half: &Half, surfaces: &Surfaces, nth: usize) -> Half {
             if !is_centre {
                 for (row, compared) in comparisons.iter_mut().enumerate() {
                     compared.clear();
-                    let y = (first + row) as isize - level.patch as isize;
+                    let y = (first + row) as isize - reach as isize;
                     if let Some(pair) = offset.pair(y, &columns, size) {
                         level.compare(pair, &columns, compared);
                     }
@@ -246,7 +280,8 @@ fn level(half: &Half, surfaces: &Surfaces, nth: usize) -> Half {
                 if is_centre {
                     weights.iter_mut().flatten().for_each(|weight| *weight = offset.kernel);
                 } else {
-                    let around = [0, 1, 2].map(|k| &comparisons[row + k * level.patch]);
+                    let around =
+                        level.patches.map(|patch| [0, 1, 2].map(|k| &comparisons[row + reach + k * patch - patch]));
                     level.weigh(offset, (p, q), &columns, around, &mut weights);
                 }
                 let own = row * width + columns.start..row * width + columns.end;
@@ -275,12 +310,13 @@ impl Level<'_> {
         offset: Offset,
         (p, q): (usize, usize),
         columns: &Range<usize>,
-        around: [&Comparisons; 3],
+        around: [[&Comparisons; 3]; 2],
         weights: &mut [Vec<f32>; 2],
     ) {
         let count = columns.len();
-        let sums: [[&[f32]; 3]; STATISTICS] = std::array::from_fn(|k| around.map(|row| &row.sums[k][columns.clone()]));
-        let [own, ..] = &around[1].own;
+        let sums: [[&[f32]; 3]; STATISTICS] =
+            std::array::from_fn(|k| around[kind(k)].map(|row| &row.sums[k][columns.clone()]));
+        let [own, ..] = &around[0][1].own;
         let [luma, chroma] = weights;
         let (luma, chroma) = (&mut luma[..count], &mut chroma[..count]);
         self.surfaces.penalties((offset.dx, offset.dy), (p, q), luma);

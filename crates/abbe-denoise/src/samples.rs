@@ -22,19 +22,21 @@ pub struct Samples {
     pub x: [Vec<f32>; GROUPS],
     /// The mean Z of each group.
     pub z: [Vec<f32>; GROUPS],
-    /// What camera rays hit first, measured twice with independent samples.
+    /// What camera rays show, measured twice with independent samples.
     pub features: [Vec<Feature>; 2],
 }
 
-/// The first surfaces of a pixel: means over its camera samples.
+/// What the camera samples of a pixel show: means over them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Feature {
     /// The fraction of light that the surface reflects or transmits, as X, Y and Z relative to
     /// those of white. Samples that hit no surface count as white.
     pub albedo: [f32; 3],
-    /// The mean of the unit normals. Samples that hit no surface count as 0.
+    /// The mean of the unit normals or, at mirrors and clear glass, of another vector of the same
+    /// size that differs where something else is seen there. Samples that hit no surface count as 0.
     pub normal: [f32; 3],
-    /// The mean binary logarithm of the distance, over samples that hit a surface.
+    /// The mean binary logarithm of the distance, along reflected and refracted rays, over samples
+    /// that hit a surface.
     pub log_depth: f32,
 }
 

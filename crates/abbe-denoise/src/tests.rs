@@ -345,3 +345,42 @@ fn shared_noise_does_not_hide_a_step() {
     let [before, after] = errors(&samples, &denoised, |i| step(i) + shared, &beside);
     assert!(after < before / 2.0, "{before} {after}");
 }
+
+/// Returns the root mean square difference of pixels that are neighbours in a row.
+fn roughness(of: impl Fn(usize) -> f32) -> f32 {
+    let pairs = || all().into_iter().filter(|i| i % WIDTH > 0);
+    (pairs().map(|i| (of(i) - of(i - 1)).powi(2)).sum::<f32>() / pairs().count() as f32).sqrt()
+}
+
+/// Facets that differ by a factor of three stay apart under rare samples that are a hundred times
+/// as bright.
+#[test]
+fn rare_bright_samples_do_not_hide_facets() {
+    let facet = |i: usize| if i % WIDTH < WIDTH / 2 { 0.3 } else { 1.0 };
+    let sparkle = |i: usize, r: usize| if noise(i, r, 3) > 2.6 { 100.0 } else { 0.0 };
+    let denoised = denoise(&grey(|i, r| facet(i) * (1.0 + 0.02 * noise(i, r, 0)) + sparkle(i, r)));
+    let median = |columns: std::ops::Range<usize>| {
+        let inside = all().into_iter().filter(|i| columns.contains(&(i % WIDTH)));
+        let mut y: Vec<f32> = inside.map(|i| denoised.xyz[i][1]).collect();
+        y.sort_by(f32::total_cmp);
+        y[y.len() / 2]
+    };
+    let (dark, bright) = (median(16..22), median(26..32));
+    assert!(dark < 0.45 && bright > 1.0, "{dark} {bright}");
+    let roughness = roughness(|i| denoised.xyz[i][1]);
+    assert!(roughness < 0.11, "{roughness}");
+}
+
+/// A coloured patch that one pass brings has no pattern of dots.
+#[test]
+fn a_patch_of_colour_does_not_become_a_lattice() {
+    let distance = |i: usize| ((i % WIDTH) as f32 - 24.0).hypot((i / WIDTH) as f32 - 20.0);
+    let patch = |i: usize, r: usize| if r == 2 && distance(i) < 9.0 { 1.0 + 0.5 * noise(i, r, 5) } else { 0.0 };
+    let picture = samples(|i, r| {
+        let y = 1.0 + 0.1 * noise(i, r, 0);
+        [y + 0.03 * noise(i, r, 1) + patch(i, r), y + 0.3 * patch(i, r), y + 0.03 * noise(i, r, 2)]
+    });
+    let denoised = denoise(&picture);
+    let roughness = roughness(|i| denoised.xyz[i][0] / denoised.xyz[i][1]);
+    assert!(roughness < 0.007, "{roughness}");
+}

@@ -46,8 +46,8 @@ impl SurfaceSums {
     pub(super) fn add_sample(&mut self, surface: Option<&FirstSurface>) {
         let values = match surface {
             Some(surface) => {
-                let ([r, g, b], [x, y, z]) = (surface.albedo_rgb(), surface.normal);
-                [1.0, 1.0, r, g, b, x, y, z, log2(surface.depth_m.max(f64::MIN_POSITIVE))]
+                let ([r, g, b], [x, y, z]) = (surface.albedo_rgb(), surface.sight.normal);
+                [1.0, 1.0, r, g, b, x, y, z, log2(surface.sight.depth_m.max(f64::MIN_POSITIVE))]
             }
             None => [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         };

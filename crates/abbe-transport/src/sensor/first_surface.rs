@@ -14,6 +14,19 @@ pub struct FirstSurface {
     pub uv: [f64; 2],
     pub object: usize,
     pub material: usize,
+    /// What is seen at this surface.
+    pub sight: Sight,
+}
+
+/// What a camera ray shows, by which the denoiser tells pixels apart: the first surface or, if that
+/// is a mirror or clear glass, what lies at the end of the most likely path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight {
+    /// The unit normal of the first surface. If that is a mirror or glass, the direction in which the
+    /// path arrives at its end, minus the unit normal of the surface there, if there is one.
+    pub normal: [f64; 3],
+    /// The length (m) of the path up to its last surface.
+    pub depth_m: f64,
 }
 
 /// The wavelengths (nm) at which the albedo of a surface is evaluated.

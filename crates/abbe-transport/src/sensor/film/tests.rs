@@ -1,7 +1,7 @@
 //! Tests of the film's sums.
 
 use super::*;
-use crate::sensor::first_surface::{ALBEDO_NM, FirstSurface};
+use crate::sensor::first_surface::{ALBEDO_NM, FirstSurface, Sight};
 
 const NM: f64 = 550.0;
 
@@ -92,6 +92,7 @@ fn expose_for_denoising(film: &mut Film, passes: std::ops::Range<u64>) {
                         uv: [0.0; 2],
                         object: 0,
                         material: 0,
+                        sight: Sight { normal: [0.0, 0.0, 1.0], depth_m: 4.0 },
                     };
                     sink.add_surface(Some(&surface));
                 }
