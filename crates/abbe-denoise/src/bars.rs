@@ -2,7 +2,6 @@
 //! bars.
 
 use crate::features::Surfaces;
-use crate::filter::TINY;
 use crate::half::{Half, Spread};
 use crate::planes::mean_around;
 use crate::samples::Samples;
@@ -71,18 +70,14 @@ pub(crate) fn combine(samples: &Samples, surfaces: &Surfaces, halves: &[Half; 2]
 }
 
 /// Returns estimates of the variance of the original that the filter removes, and of the mean
-/// square of its change, both relative to the square of the luminance: that of a bright sample in
-/// glass must not justify a change of the dark pixels around it.
+/// square of its change.
 ///
 /// With the original mean m, its error e, and the filtered mean f, the mean square error of
 /// m + t (f − m) is least for t = E[e (m − f)] / E[(m − f)²]. Since m has no bias, the numerator is
 /// Var(m) − Cov(m, f).
 fn removed_and_added(spread: &Spread<REPLICATES>, original: Values, filtered: Values) -> (f32, f32) {
-    let means = [original, filtered].map(|values| spread.mean(values));
-    let square = means[1].powi(2) + TINY;
-    let change = means[1] - means[0];
-    let removed = spread.variance(original) - spread.covariance(original, filtered);
-    (removed / square, change * change / square)
+    let change = spread.mean(std::array::from_fn(|r| filtered[r] - original[r]));
+    (spread.variance(original) - spread.covariance(original, filtered), change * change)
 }
 
 /// Returns the largest fraction t of the filter's change, up to 1, that does not make the picture

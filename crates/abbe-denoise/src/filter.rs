@@ -50,7 +50,7 @@ const LARGEST_RATIO: f32 = 4.0;
 const VARIANCE_RADIUS: usize = 4;
 
 /// Keeps quotients of 0 finite. Below the square of any luminance that matters.
-pub(crate) const TINY: f32 = 1e-30;
+const TINY: f32 = 1e-30;
 
 /// An offset between two pixels, with its weight in the kernel.
 #[derive(Debug, Clone, Copy)]
