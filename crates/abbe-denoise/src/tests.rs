@@ -375,12 +375,12 @@ fn rare_bright_samples_do_not_hide_facets() {
 #[test]
 fn a_patch_of_colour_does_not_become_a_lattice() {
     let distance = |i: usize| ((i % WIDTH) as f32 - 24.0).hypot((i / WIDTH) as f32 - 20.0);
-    let patch = |i: usize, r: usize| if r == 2 && distance(i) < 9.0 { 1.0 + 0.5 * noise(i, r, 5) } else { 0.0 };
+    let patch = |i: usize, r: usize| if r == 2 && distance(i) < 9.0 { 1.0 } else { 0.0 };
     let picture = samples(|i, r| {
         let y = 1.0 + 0.1 * noise(i, r, 0);
         [y + 0.03 * noise(i, r, 1) + patch(i, r), y + 0.3 * patch(i, r), y + 0.03 * noise(i, r, 2)]
     });
     let denoised = denoise(&picture);
     let roughness = roughness(|i| denoised.xyz[i][0] / denoised.xyz[i][1]);
-    assert!(roughness < 0.007, "{roughness}");
+    assert!(roughness < 0.006, "{roughness}");
 }
