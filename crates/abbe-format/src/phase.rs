@@ -87,14 +87,14 @@ pub struct IcePopulationFile {
 #[serde(rename_all = "snake_case")]
 #[schemars(title = "Orientation of ice crystals")]
 pub enum IceOrientationFile {
-    /// In all orientations, as with the phase function `"ice"`.
-    Random,
     /// With a vertical axis, like plates.
     Plates,
     /// With a horizontal axis, in all rotations about it, like columns.
     Columns,
     /// With a horizontal axis and two horizontal side faces.
     Parry,
+    /// In all orientations, as with the phase function `"ice"`.
+    Random,
 }
 
 impl PhaseFile {
