@@ -8,8 +8,8 @@ use abbe_spectra::math::elementary::{asin, sin};
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 use std::f64::consts::PI;
 
-/// Half-heights of the windows of [`smoothed`], in nodes. In azimuth they are wider, because
-/// crystals with a level axis make features along horizontal circles.
+/// Half-heights of [`Windows`] in nodes. In azimuth they are wider by this angle,
+/// because crystals with a level axis make features along horizontal circles.
 const WINDOWS: [usize; 8] = [0, 1, 2, 3, 4, 6, 8, 12];
 const WIDTH_TO_HEIGHT: usize = 4;
 
@@ -22,8 +22,10 @@ const ROUNDING: f64 = 1e-11;
 /// The nodes of a table and their solid angles.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct DirectionGrid {
-    /// Steps from φ = 0 to π, and from the elevation −90° to 90°.
-    steps: usize,
+    /// Steps from the elevation −90° to 90°.
+    rows: usize,
+    /// Steps from φ = 0 to π.
+    columns: usize,
     /// The sines of the elevations, ascending.
     sines: Vec<f64>,
     /// The width of each row's hat function in z.
@@ -31,40 +33,40 @@ pub(super) struct DirectionGrid {
 }
 
 impl DirectionGrid {
-    pub(super) fn new(steps: usize) -> Self {
-        let sine = |row: usize| sin(PI * (row as f64 / steps as f64 - 0.5));
-        let sines: Vec<f64> = (0..=steps).map(sine).collect();
-        let height = |row: usize| 0.5 * (sines[(row + 1).min(steps)] - sines[row.saturating_sub(1)]);
-        Self { steps, heights: (0..=steps).map(height).collect(), sines }
+    /// Creates a grid of so many steps in elevation and in azimuth.
+    pub(super) fn new(rows: usize, columns: usize) -> Self {
+        let sine = |row: usize| sin(PI * (row as f64 / rows as f64 - 0.5));
+        let sines: Vec<f64> = (0..=rows).map(sine).collect();
+        let height = |row: usize| 0.5 * (sines[(row + 1).min(rows)] - sines[row.saturating_sub(1)]);
+        Self { rows, columns, heights: (0..=rows).map(height).collect(), sines }
     }
 
-    /// The number of nodes in a row, and of rows.
+    /// The number of nodes in a row.
     fn side(&self) -> usize {
-        self.steps + 1
+        self.columns + 1
     }
 
     pub(super) fn nodes(&self) -> usize {
-        self.side() * self.side()
+        self.side() * (self.rows + 1)
     }
 
     /// Returns the node nearest to an azimuth in rad and to the sine of an elevation.
     pub(super) fn nearest(&self, phi: f64, z: f64) -> usize {
-        let steps = self.steps as f64;
-        let row = ((asin(z) / PI + 0.5) * steps + 0.5) as usize;
-        let column = (phi / PI * steps + 0.5) as usize;
-        row.min(self.steps) * self.side() + column.min(self.steps)
+        let row = ((asin(z) / PI + 0.5) * self.rows as f64 + 0.5) as usize;
+        let column = (phi / PI * self.columns as f64 + 0.5) as usize;
+        row.min(self.rows) * self.side() + column.min(self.columns)
     }
 
     /// The width of a column's hat function in rad.
     fn width(&self, column: usize) -> f64 {
-        let whole = PI / self.steps as f64;
-        if column == 0 || column == self.steps { 0.5 * whole } else { whole }
+        let whole = PI / self.columns as f64;
+        if column == 0 || column == self.columns { 0.5 * whole } else { whole }
     }
 
     /// Returns the row and the column below a place, and the fractions of the steps above them.
     fn place(&self, phi: f64, z: f64) -> Place {
-        let (steps, last) = (self.steps as f64, self.steps - 1);
-        let mut row = (((asin(z) / PI + 0.5) * steps).max(0.0) as usize).min(last);
+        let last = self.rows - 1;
+        let mut row = (((asin(z) / PI + 0.5) * self.rows as f64).max(0.0) as usize).min(last);
         // The rounding of the arc sine may miss the row by one.
         if row > 0 && self.sines[row] > z {
             row -= 1;
@@ -72,8 +74,8 @@ impl DirectionGrid {
             row += 1;
         }
         let t = ((z - self.sines[row]) / (self.sines[row + 1] - self.sines[row])).clamp(0.0, 1.0);
-        let across = phi / PI * steps;
-        let column = (across as usize).min(last);
+        let across = phi / PI * self.columns as f64;
+        let column = (across as usize).min(self.columns - 1);
         Place { row, column, t, s: (across - column as f64).clamp(0.0, 1.0) }
     }
 }
@@ -139,11 +141,10 @@ impl DirectionTable {
         let row = select(&self.rows, &mut u);
         let first = row * (grid.side() + 1);
         let column = select(&self.nodes[first..first + grid.side() + 1], &mut v);
-        let last = grid.steps;
         // Each hat function is sampled below or above its node, in proportion to the step there.
         let z = {
             let (here, below, above) =
-                (grid.sines[row], grid.sines[row.saturating_sub(1)], grid.sines[(row + 1).min(last)]);
+                (grid.sines[row], grid.sines[row.saturating_sub(1)], grid.sines[(row + 1).min(grid.rows)]);
             let down = (here - below) / (above - below);
             if u < down {
                 here - (here - below) * falling(u / down)
@@ -153,13 +154,13 @@ impl DirectionTable {
         };
         let left = if column == 0 {
             0.0
-        } else if column == last {
+        } else if column == grid.columns {
             1.0
         } else {
             0.5
         };
         let offset = if v < left { -falling(v / left) } else { falling((v - left) / (1.0 - left)) };
-        (PI * (column as f64 + offset) / last as f64, z)
+        (PI * (column as f64 + offset) / grid.columns as f64, z)
     }
 }
 
@@ -194,67 +195,92 @@ fn select(cumulative: &[f32], u: &mut f64) -> usize {
     index
 }
 
-/// Smooths the powers of traced rays at the nodes of a grid, at several wavelengths. `squares` are
-/// the sums of the squared powers of the rays.
-///
-/// Each node gets the mean power per solid angle in a window around it, the same at all
-/// wavelengths. Windows grow until their effective number of rays (Kish 1965) is at least `rays`, or until the
-/// mean differs from that of a smaller window by more than its noise (Lepski 1991), so that bright
-/// features do not blur into their surroundings. With `whole_rows`, windows have the whole width of
-/// the table.
-pub(super) fn smoothed(
-    grid: &DirectionGrid,
-    powers: &[Vec<f64>],
-    squares: &[f64],
-    rays: f64,
+/// The windows over which the powers at the nodes of a grid are averaged.
+pub(super) struct Windows<'g> {
+    grid: &'g DirectionGrid,
+    /// The sums of the heights of the rows and of the widths of the columns.
+    heights: Vec<f64>,
+    widths: Vec<f64>,
     whole_rows: bool,
-) -> Vec<Vec<f64>> {
-    let side = grid.side();
-    let sums: Vec<SummedArea> = powers.iter().map(|powers| SummedArea::new(powers, side)).collect();
-    let all: Vec<f64> = (0..grid.nodes()).map(|node| powers.iter().map(|powers| powers[node]).sum()).collect();
-    let (all, squares) = (SummedArea::new(&all, side), SummedArea::new(squares, side));
-    let whole = ((0, side), (0, side));
-    let least = [&all, &squares].map(|sums| ROUNDING * sums.within(whole));
-    let heights = cumulative_sums(&grid.heights);
-    let widths = cumulative_sums(&(0..side).map(|column| grid.width(column)).collect::<Vec<f64>>());
-    let solid_angle =
-        |(rows, columns): Window| (heights[rows.1] - heights[rows.0]) * (widths[columns.1] - widths[columns.0]);
-    let mut out = vec![vec![0.0; grid.nodes()]; powers.len()];
-    for node in 0..grid.nodes() {
-        let (row, column) = (node / side, node % side);
-        let window = |half: usize| {
-            let wide = if whole_rows { side } else { WIDTH_TO_HEIGHT * half };
-            let clip = |at: usize, half: usize| (at.saturating_sub(half), (at + half + 1).min(side));
-            (clip(row, half), clip(column, wide))
-        };
+    /// For each node, the number of its window in [`WINDOWS`].
+    chosen: Vec<u8>,
+}
+
+impl<'g> Windows<'g> {
+    /// Chooses the windows for the powers of traced rays at several wavelengths. `squares` are the
+    /// sums of the squared powers of the rays.
+    ///
+    /// Windows grow until their effective number of rays (Kish 1965) is at least `rays`, or until
+    /// the mean power per solid angle differs from that of a smaller window by more than its noise
+    /// (Lepski 1991), so that bright features do not blur into their surroundings. With
+    /// `whole_rows`, windows have the whole width of the table.
+    pub(super) fn new(
+        grid: &'g DirectionGrid,
+        powers: &[Vec<f64>],
+        squares: &[f64],
+        rays: f64,
+        whole_rows: bool,
+    ) -> Self {
+        let side = grid.side();
+        let heights = cumulative_sums(&grid.heights);
+        let widths = cumulative_sums(&(0..side).map(|column| grid.width(column)).collect::<Vec<f64>>());
+        let mut windows = Self { grid, heights, widths, whole_rows, chosen: Vec::new() };
+        let all: Vec<f64> = (0..grid.nodes()).map(|node| powers.iter().map(|powers| powers[node]).sum()).collect();
+        let (all, squares) = (SummedArea::new(&all, side), SummedArea::new(squares, side));
+        let whole = ((0, grid.rows + 1), (0, side));
+        let least = [&all, &squares].map(|sums| ROUNDING * sums.within(whole));
         let moments = |window: Window| {
             let (power, square) = (all.within(window), squares.within(window));
             if power > least[0] && square > least[1] { (power, square) } else { (0.0, 0.0) }
         };
-        // The noise of a window without rays is that of one bright ray.
-        let (power, square) = moments(window(WINDOWS[WINDOWS.len() - 1]));
-        let of_one_ray = if power > 0.0 { (2.0 * square / power).powi(2) } else { 0.0 };
-        let (mut best, mut low, mut high) = (window(WINDOWS[0]), 0.0_f64, f64::INFINITY);
-        for half in WINDOWS {
-            let here = window(half);
-            let (power, square) = moments(here);
-            let noise = NOISE * (square + of_one_ray).sqrt();
-            let scale = solid_angle(here).recip();
-            (low, high) = (low.max((power - noise) * scale), high.min((power + noise) * scale));
-            if low > high {
-                break;
+        let choose = |node: usize| {
+            // The noise of a window without rays is that of one bright ray.
+            let (power, square) = moments(windows.around(node, WINDOWS[WINDOWS.len() - 1]));
+            let of_one_ray = if power > 0.0 { (2.0 * square / power).powi(2) } else { 0.0 };
+            let (mut best, mut low, mut high) = (0, 0.0_f64, f64::INFINITY);
+            for (number, half) in WINDOWS.into_iter().enumerate() {
+                let here = windows.around(node, half);
+                let (power, square) = moments(here);
+                let noise = NOISE * (square + of_one_ray).sqrt();
+                let scale = windows.solid_angle(here).recip();
+                (low, high) = (low.max((power - noise) * scale), high.min((power + noise) * scale));
+                if low > high {
+                    break;
+                }
+                best = number;
+                if power > 0.0 && power * power >= rays * square {
+                    break;
+                }
             }
-            best = here;
-            if power > 0.0 && power * power >= rays * square {
-                break;
-            }
-        }
-        let scale = grid.heights[row] * grid.width(column) / solid_angle(best);
-        for (out, sums) in out.iter_mut().zip(&sums) {
-            out[node] = sums.within(best).max(0.0) * scale;
-        }
+            best as u8
+        };
+        let chosen = (0..grid.nodes()).map(choose).collect();
+        windows.chosen = chosen;
+        windows
     }
-    out
+
+    /// Returns the mean powers per solid angle in the windows, at one wavelength, each times the
+    /// solid angle of its node.
+    pub(super) fn smoothed(&self, powers: &[f64]) -> Vec<f64> {
+        let (grid, sums) = (self.grid, SummedArea::new(powers, self.grid.side()));
+        let mean = |node: usize| {
+            let window = self.around(node, WINDOWS[usize::from(self.chosen[node])]);
+            let (row, column) = (node / grid.side(), node % grid.side());
+            sums.within(window).max(0.0) * (grid.heights[row] * grid.width(column) / self.solid_angle(window))
+        };
+        (0..grid.nodes()).map(mean).collect()
+    }
+
+    fn around(&self, node: usize, half: usize) -> Window {
+        let (grid, side) = (self.grid, self.grid.side());
+        let wide = if self.whole_rows { side } else { WIDTH_TO_HEIGHT * half * grid.columns / grid.rows };
+        let clip = |at: usize, half: usize, end: usize| (at.saturating_sub(half), (at + half + 1).min(end));
+        (clip(node / side, half, grid.rows + 1), clip(node % side, wide, side))
+    }
+
+    fn solid_angle(&self, (rows, columns): Window) -> f64 {
+        (self.heights[rows.1] - self.heights[rows.0]) * (self.widths[columns.1] - self.widths[columns.0])
+    }
 }
 
 /// The first row and the row after the last, and the same of columns.
@@ -278,8 +304,8 @@ struct SummedArea {
 impl SummedArea {
     fn new(values: &[f64], side: usize) -> Self {
         let wide = side + 1;
-        let mut sums = vec![0.0; wide * wide];
-        for row in 0..side {
+        let mut sums = vec![0.0; wide * (values.len() / side + 1)];
+        for row in 0..values.len() / side {
             let mut along = 0.0;
             for column in 0..side {
                 along += values[row * side + column];

@@ -12,7 +12,7 @@
 //! light as a crystal intercepts is diffracted forwards.
 
 use super::crystal::{Crystal, evenly_spread};
-use super::direction_table::{DirectionGrid, DirectionTable, smoothed};
+use super::direction_table::{DirectionGrid, DirectionTable, Windows};
 use super::ice::{angles, diffraction};
 use super::table::PhaseTable;
 use super::{Deflection, PhaseFunction, ice};
@@ -24,23 +24,33 @@ use glam::{DMat3, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
-/// The wavelengths of the tables in nm. Between them, tables are mixed.
+/// The wavelengths in nm of the tables of regular elevations. Between them, tables are mixed.
 const NM: [f64; 5] = [420.0, 475.0, 530.0, 590.0, 660.0];
+
+/// The same for elevations of distant lights, so close that the edge of a sundog is sharp.
+const FINE_NM: [f64; 13] = [420.0, 440.0, 460.0, 480.0, 500.0, 520.0, 540.0, 560.0, 580.0, 600.0, 620.0, 640.0, 660.0];
 
 /// The elevations in degrees for which all tables are computed.
 const ELEVATION_STEP_DEG: f64 = 3.0;
 
-/// Steps of 180°, the number of rays, and the effective rays of a smoothed node.
+/// How accurate a table is.
 #[derive(Debug, Clone, Copy)]
 struct Effort {
-    steps: usize,
+    nm: &'static [f64],
+    /// Steps of 180° in elevation.
+    rows: usize,
+    /// Steps of 180° in azimuth.
+    columns: usize,
     rays: u32,
+    /// The effective rays of a smoothed node.
     smoothing: f64,
 }
 
 /// For the regular elevations and for those of distant lights.
-const EFFORTS: [Effort; 2] =
-    [Effort { steps: 360, rays: 12_000, smoothing: 600.0 }, Effort { steps: 720, rays: 400_000, smoothing: 600.0 }];
+const EFFORTS: [Effort; 2] = [
+    Effort { nm: &NM, rows: 360, columns: 360, rays: 12_000, smoothing: 600.0 },
+    Effort { nm: &FINE_NM, rows: 720, columns: 1440, rays: 400_000, smoothing: 600.0 },
+];
 
 /// Directions that are sampled against the light follow the table of the reversed light, mixed with
 /// this fraction of uniform directions: the tables of both directions of a path differ slightly.
@@ -107,7 +117,7 @@ pub(super) struct IceTables {
     random: f64,
     all_orientations: Arc<PhaseTable>,
     forward: PhaseTable,
-    grids: [DirectionGrid; 2],
+    grids: [(DirectionGrid, &'static [f64]); 2],
     /// By ascending elevation, from 0 to 90°.
     nodes: Vec<Elevation>,
 }
@@ -116,12 +126,12 @@ pub(super) struct IceTables {
 #[derive(Debug, Clone, PartialEq)]
 struct Elevation {
     sine: f64,
-    /// The grid of the tables.
+    /// The number of the grid and the wavelengths of the tables.
     grid: usize,
     /// The area that crystals turn to this light, relative to the mean over all directions.
     area: f64,
     /// For each wavelength, the fraction of the light that is diffracted or not deviated.
-    forward: [f64; NM.len()],
+    forward: Vec<f64>,
     tables: Vec<DirectionTable>,
 }
 
@@ -162,11 +172,11 @@ impl IceTables {
         let mut elevations: Vec<(f64, usize)> = suns.chain((0..=steps).map(|i| (sine(i), 0))).collect();
         elevations.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
         elevations.dedup_by(|next, kept| next.0 == kept.0);
-        let grids = efforts.map(|effort| DirectionGrid::new(effort.steps));
+        let grids = efforts.map(|effort| (DirectionGrid::new(effort.rows, effort.columns), effort.nm));
         let index = RefractiveIndex::catalogue("ice -7C").expect("ice is in the catalogue");
         let indices = |nm: f64| index.n(nm);
         let node = |&(sine, grid): &(f64, usize)| {
-            Elevation::new(&oriented, sine, (grid, &grids[grid], efforts[grid]), &indices)
+            Elevation::new(&oriented, sine, (grid, &grids[grid].0, efforts[grid]), &indices)
         };
         let mut nodes: Vec<Elevation> = elevations.iter().map(node).collect();
         make_reciprocal(&mut nodes, &grids);
@@ -197,17 +207,17 @@ impl IceTables {
     fn mixed(&self, deflection: Deflection, nm: f64, uniform: f64) -> f64 {
         let Deflection { cos_theta, .. } = deflection;
         let (sine, phi, z) = deflection.about_vertical();
-        let wavelengths = columns(nm);
         let (mut forward, mut scattered) = (0.0, 0.0);
         for (node, share) in self.around(sine) {
             let (z, slope) = stretched(z, sine, node.sine);
-            for (column, of_column) in wavelengths {
+            let (grid, wavelengths) = &self.grids[node.grid];
+            for (column, of_column) in columns(wavelengths, nm) {
                 let weight = share * of_column;
                 if weight == 0.0 {
                     continue;
                 }
                 forward += weight * node.forward[column];
-                let table = node.tables[column].eval(&self.grids[node.grid], phi, z) * slope;
+                let table = node.tables[column].eval(grid, phi, z) * slope;
                 let pdf = (1.0 - uniform) * table + uniform * (0.25 / PI);
                 scattered += weight * (1.0 - node.forward[column]) * pdf;
             }
@@ -227,7 +237,8 @@ impl IceTables {
         let sine = incoming.y.abs().min(1.0);
         let [first, second] = self.around(sine);
         let (node, _) = if chosen(&mut u, second.1) { second } else { first };
-        let [first, second] = columns(nm);
+        let (grid, wavelengths) = &self.grids[node.grid];
+        let [first, second] = columns(wavelengths, nm);
         let (column, _) = if chosen(&mut u, second.1) { second } else { first };
         if chosen(&mut u, node.forward[column]) {
             return around(self.forward.quantile(nm, u), v);
@@ -236,7 +247,7 @@ impl IceTables {
             return warp::sphere([u, v]);
         }
         let mirrored = chosen(&mut v, 0.5);
-        let (phi, z) = node.tables[column].sample(&self.grids[node.grid], [u, v]);
+        let (phi, z) = node.tables[column].sample(grid, [u, v]);
         let (z, _) = stretched(z, node.sine, sine);
         let across = DVec3::new(incoming.x, 0.0, incoming.z).try_normalize().unwrap_or(DVec3::X);
         let (sin_phi, cos_phi) = sin_cos(if mirrored { -phi } else { phi });
@@ -270,37 +281,48 @@ fn between<T>(list: &[T], key: impl Fn(&T) -> f64, value: f64) -> [(usize, f64);
 /// coefficient. The pdf is therefore σ(ω → ω') x(ω) x(ω'), where σ is the reciprocal cross-section,
 /// and x the function of the elevation for which the integral over ω' is 1 (Sinkhorn 1967). By its
 /// symmetry, the integral over ω is 1 as well, so that uniform light stays uniform.
-fn make_reciprocal(nodes: &mut [Elevation], grids: &[DirectionGrid; 2]) {
+fn make_reciprocal(nodes: &mut [Elevation], grids: &[(DirectionGrid, &'static [f64]); 2]) {
     const STEPS: u32 = 200;
-    for column in 0..NM.len() {
-        // Of the light of one elevation, the fractions that leave near each elevation.
-        let leaving = |(number, node): (usize, &Elevation)| {
-            let forward = node.forward[column];
-            let mut fractions = vec![0.0; nodes.len()];
-            fractions[number] = forward;
-            for (z, probability) in node.tables[column].rows(&grids[node.grid]) {
-                for (to, weight) in around(nodes, z.abs()) {
-                    fractions[to] += (1.0 - forward) * probability * weight;
-                }
+    // Of the light of one elevation, the fractions that leave near each elevation.
+    let leaving = |number: usize, column: usize| {
+        let (node, forward) = (&nodes[number], nodes[number].forward[column]);
+        let mut fractions = vec![0.0; nodes.len()];
+        fractions[number] = forward;
+        for (z, probability) in node.tables[column].rows(&grids[node.grid].0) {
+            for (to, weight) in around(nodes, z.abs()) {
+                fractions[to] += (1.0 - forward) * probability * weight;
             }
-            fractions
-        };
-        let fractions: Vec<Vec<f64>> = nodes.iter().enumerate().map(leaving).collect();
-        let sum = |number: usize, scales: &[f64]| -> f64 {
-            fractions[number].iter().zip(scales).map(|(fraction, scale)| fraction * scale).sum()
-        };
+        }
+        fractions
+    };
+    let sum = |fractions: &[f64], scales: &[f64]| -> f64 {
+        fractions.iter().zip(scales).map(|(fraction, scale)| fraction * scale).sum()
+    };
+    let scales_of = |nm: f64| {
+        let of_node = |number: usize| leaving(number, nearest_column(grids[nodes[number].grid].1, nm));
+        let fractions: Vec<Vec<f64>> = (0..nodes.len()).map(of_node).collect();
         let mut scales = vec![1.0; nodes.len()];
         for _ in 0..STEPS {
             let next =
-                |(number, node): (usize, &Elevation)| (scales[number] / (node.area * sum(number, &scales))).sqrt();
-            scales = nodes.iter().enumerate().map(next).collect();
+                |number: usize| (scales[number] / (nodes[number].area * sum(&fractions[number], &scales))).sqrt();
+            scales = (0..nodes.len()).map(next).collect();
         }
+        scales
+    };
+    let scales = NM.map(scales_of);
+    let scaled = |number: usize, column: usize| {
+        let (grid, wavelengths) = &grids[nodes[number].grid];
+        let scales = &scales[nearest_column(&NM, wavelengths[column])];
         let at = |z: f64| around(nodes, z.abs()).map(|(number, weight)| weight * scales[number]).iter().sum();
-        let rows: Vec<Vec<f32>> =
-            nodes.iter().map(|node| node.tables[column].scaled_rows(&grids[node.grid], at)).collect();
-        for (number, (node, rows)) in nodes.iter_mut().zip(rows).enumerate() {
-            node.forward[column] *= scales[number] / sum(number, &scales);
-            node.tables[column].set_rows(rows);
+        let forward = nodes[number].forward[column] * scales[number] / sum(&leaving(number, column), scales);
+        (forward, nodes[number].tables[column].scaled_rows(grid, at))
+    };
+    let of_node = |number: usize| (0..nodes[number].tables.len()).map(|column| scaled(number, column)).collect();
+    let all: Vec<Vec<(f64, Vec<f32>)>> = (0..nodes.len()).map(of_node).collect();
+    for (node, columns) in nodes.iter_mut().zip(all) {
+        for ((forward, table), (scaled, rows)) in node.forward.iter_mut().zip(&mut node.tables).zip(columns) {
+            *forward = scaled;
+            table.set_rows(rows);
         }
     }
 }
@@ -331,16 +353,22 @@ fn stretched(z: f64, from: f64, to: f64) -> (f64, f64) {
 }
 
 /// Returns the columns next to a wavelength in nm, and their weights.
-fn columns(nm: f64) -> [(usize, f64); 2] {
-    between(&NM, |&known| known, nm)
+fn columns(wavelengths: &[f64], nm: f64) -> [(usize, f64); 2] {
+    between(wavelengths, |&known| known, nm)
+}
+
+/// Returns the column that is nearest to a wavelength in nm.
+fn nearest_column(wavelengths: &[f64], nm: f64) -> usize {
+    let [below, above] = columns(wavelengths, nm);
+    if above.1 > 0.5 { above.0 } else { below.0 }
 }
 
 /// Returns a wavelength in nm between the columns `after` − 1 and `after`, or as far beyond the
 /// ends.
-fn nm_between(after: usize, t: f64) -> f64 {
-    let of_step = after.clamp(1, NM.len() - 1);
-    let width = NM[of_step] - NM[of_step - 1];
-    if after == 0 { NM[0] - width * (1.0 - t) } else { NM[after - 1] + width * t }
+fn nm_between(wavelengths: &[f64], after: usize, t: f64) -> f64 {
+    let of_step = after.clamp(1, wavelengths.len() - 1);
+    let width = wavelengths[of_step] - wavelengths[of_step - 1];
+    if after == 0 { wavelengths[0] - width * (1.0 - t) } else { wavelengths[after - 1] + width * t }
 }
 
 /// Decides an event of this probability by `u` in [0, 1), which becomes a new number.
@@ -403,11 +431,12 @@ impl Elevation {
         (number, grid, effort): (usize, &DirectionGrid, Effort),
         index: &impl Fn(f64) -> f64,
     ) -> Self {
-        let mut powers = vec![vec![0.0; grid.nodes()]; NM.len()];
+        let wavelengths = effort.nm;
+        let mut powers = vec![vec![0.0; grid.nodes()]; wavelengths.len()];
         let mut squares = vec![0.0; grid.nodes()];
         let mut area = 0.0;
-        let mut forward = [0.0; NM.len()];
-        let mut scattered = [0.0; NM.len()];
+        let mut forward = vec![0.0; wavelengths.len()];
+        let mut scattered = vec![0.0; wavelengths.len()];
         for &IcePopulation { orientation, weight } in populations {
             let crystal = orientation.crystal();
             let count = (f64::from(effort.rays) * weight).ceil() as u32;
@@ -417,13 +446,13 @@ impl Elevation {
                 let ray = of_ray * of_crystal;
                 area += ray;
                 // The ray has one wavelength between each two columns and one beyond each end.
-                for after in 0..=NM.len() {
-                    let nm = nm_between(after, shift);
+                for after in 0..=wavelengths.len() {
+                    let nm = nm_between(wavelengths, after, shift);
                     let of_columns = [(after.wrapping_sub(1), 1.0 - shift), (after, shift)];
                     crystal.trace(index(nm), travel, (point, face), |direction, fraction, _| {
                         let power = ray * fraction;
                         let shares = of_columns.map(|(column, part)| (column, part * power));
-                        let shares = shares.into_iter().filter(|(column, _)| *column < NM.len());
+                        let shares = shares.into_iter().filter(|(column, _)| *column < wavelengths.len());
                         if (direction - travel).length_squared() < 2e-12 {
                             shares.for_each(|(column, power)| forward[column] += power);
                             return;
@@ -445,8 +474,9 @@ impl Elevation {
             *forward += area;
             *forward /= *forward + scattered;
         }
-        let smooth = smoothed(grid, &powers, &squares, effort.smoothing, sine == 1.0);
-        let tables = smooth.iter().map(|powers| DirectionTable::new(grid, powers)).collect();
+        let windows = Windows::new(grid, &powers, &squares, effort.smoothing, sine == 1.0);
+        let table = |powers: Vec<f64>| DirectionTable::new(grid, &windows.smoothed(&powers));
+        let tables = powers.into_iter().map(table).collect();
         Self { sine, grid: number, area, forward, tables }
     }
 }

@@ -4,8 +4,10 @@ use super::*;
 use abbe_spectra::math::random::{Purpose, Seed, Stream};
 
 /// Tables that are computed in a fraction of a second.
-const QUICK: [Effort; 2] =
-    [Effort { steps: 180, rays: 1_000, smoothing: 200.0 }, Effort { steps: 720, rays: 40_000, smoothing: 200.0 }];
+const QUICK: [Effort; 2] = [
+    Effort { nm: &NM, rows: 180, columns: 180, rays: 1_000, smoothing: 200.0 },
+    Effort { nm: &FINE_NM, rows: 720, columns: 1440, rays: 40_000, smoothing: 200.0 },
+];
 
 /// The heights of the sun in degrees at which sundogs are compared with Bravais' law.
 const HEIGHTS_DEG: [f64; 5] = [0.0, 10.0, 20.0, 30.0, 45.0];
@@ -77,7 +79,7 @@ fn rays_through_level_plates_have_bravais_azimuths() {
 #[test]
 fn tabulated_sundogs_begin_at_bravais_azimuths() {
     let heights = HEIGHTS_DEG.map(sine);
-    let ice = IceTables::new(&[plates(0.3)], &heights, QUICK);
+    let ice = IceTables::new(&[plates(0.02)], &heights, QUICK);
     for height in HEIGHTS_DEG {
         let edges = [NM[0], NM[2], NM[4]].map(|nm| {
             let known = bravais_deg(ice_index(nm), height);
@@ -87,8 +89,8 @@ fn tabulated_sundogs_begin_at_bravais_azimuths() {
             let brightest = azimuths().map(at).fold(0.0, f64::max);
             let edge = azimuths().find(|azimuth| at(*azimuth) > 0.5 * brightest).unwrap();
             // Half a step in azimuth, and half of the range of wavelengths of a table.
-            let of_next = bravais_deg(ice_index(nm + 60.0), height);
-            let resolution = 0.125 + 0.5 * (known - of_next);
+            let of_next = bravais_deg(ice_index(nm + 20.0), height);
+            let resolution = 0.0625 + 0.5 * (known - of_next);
             println!("{height}°, {nm} nm: {:+.3}° of {resolution:.3}°", edge - known);
             assert!((edge - known).abs() < resolution, "{height}°, {nm} nm: {edge}° for {known}°");
             edge
@@ -151,7 +153,7 @@ fn cases() -> Vec<IceTables> {
     let with_random = [plates(1.5), columns_of(0.5), random()];
     let parry = PrismShape { length_to_width: 1.5, tilt: 0.01 };
     let parry = IcePopulation { orientation: IceOrientation::Parry(parry), weight: 2.0 };
-    let quick = [QUICK[0], Effort { steps: 360, rays: 5_000, smoothing: 200.0 }];
+    let quick = [QUICK[0], Effort { nm: &NM, rows: 360, columns: 360, rays: 5_000, smoothing: 200.0 }];
     vec![IceTables::new(&with_random, &[sine(17.3)], quick), IceTables::new(&[parry], &[], quick)]
 }
 
