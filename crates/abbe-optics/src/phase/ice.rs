@@ -24,11 +24,7 @@ pub(super) const PACKED: &str = include_str!(concat!(env!("OUT_DIR"), "/ice"));
 /// Returns the phase function of ice crystals.
 pub fn ice() -> Arc<PhaseTable> {
     static TABLE: OnceLock<Arc<PhaseTable>> = OnceLock::new();
-    TABLE
-        .get_or_init(|| {
-            Arc::new(packed_table::parse(PACKED).expect("the built-in table is valid"))
-        })
-        .clone()
+    TABLE.get_or_init(|| Arc::new(packed_table::parse(PACKED).expect("the built-in table is valid"))).clone()
 }
 
 /// The angles of the table in degrees, densest in the forward peak and at the inner edges of the

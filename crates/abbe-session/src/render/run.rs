@@ -45,7 +45,15 @@ impl Run {
             tally: Tally::default(),
             seconds: StageSeconds::default(),
         };
-        Self { sums, part, done: 0, taken: (0, 0.0), wanted: None, coverage: SpectrumCoverage::default(), largest_work: None }
+        Self {
+            sums,
+            part,
+            done: 0,
+            taken: (0, 0.0),
+            wanted: None,
+            coverage: SpectrumCoverage::default(),
+            largest_work: None,
+        }
     }
 
     pub fn picture(&self) -> Picture {
