@@ -41,6 +41,12 @@ impl Deref for NamedFile {
     }
 }
 
+impl AsRef<Path> for NamedFile {
+    fn as_ref(&self) -> &Path {
+        self
+    }
+}
+
 impl From<NamedFile> for PathBuf {
     fn from(file: NamedFile) -> Self {
         file.to_path_buf()
