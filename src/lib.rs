@@ -106,10 +106,11 @@
 //! | `cli` | yes | the `abbe` program; implies `pages` |
 //! | `pages` | | HTML pages that compare pictures or lamps, and studies of accuracy |
 //! | `view` | yes | the live view in the browser (`abbe view`); implies `cli` |
-//! | `meshes` | yes | OBJ, PLY, STL and glTF files, and scenes of other programs |
+//! | `files` | yes | the other files that a scene names; without it, such a scene is an error |
+//! | `meshes` | yes | OBJ, PLY, STL and glTF files, and scenes of other programs; implies `files` |
 //!
 //! To use the renderer without the command line, depend on it as `abbe = { version = "…",
-//! default-features = false }`.
+//! default-features = false, features = ["files"] }`.
 
 #![warn(missing_docs)]
 // Elementary functions of the C library differ between machines; see `math::elementary`.

@@ -1,10 +1,10 @@
 // The link of the page with workers that render in the browser. One worker shows the pictures and
-// answers; the others each render a part of the passes, and send their exact sums.
+// answers; the others each render a part of the passes, and their exact sums move to the first.
 
 /// The number of rendering workers.
 const RENDERERS = Math.max(1, Math.min(8, navigator.hardwareConcurrency ?? 2));
-/// Sums are sent at most once in this time in milliseconds.
-const SUMS_PAUSE = 400;
+/// Each renderer sends its sums at most once in this time in milliseconds per renderer.
+const SUMS_PAUSE = 200;
 /// The time from one picture to the next, divided by the time that a picture takes.
 const SHOW_PAUSE = 5;
 /// The page fetches a coarse picture within this time in milliseconds, unless it has it already.
@@ -12,16 +12,22 @@ const FETCH_TIME = 200;
 /// A whole render begins when no slider has moved for this time in milliseconds.
 const DRAFT_END = 250;
 
-const embedded = id => document.getElementById(id).textContent;
+/// Returns the text of an element, and removes it, because the page needs it only once.
+function embedded(id) {
+  const holder = document.getElementById(id), text = holder.textContent;
+  holder.remove();
+  return text;
+}
 const module_ = (async () => {
-  const packed = Uint8Array.from(atob(embedded("abbe-module")), letter => letter.charCodeAt(0));
+  const letters = atob(embedded("abbe-module")), packed = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i++) packed[i] = letters.charCodeAt(i);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
   return WebAssembly.compile(await new Response(stream).arrayBuffer());
 })();
 const script = URL.createObjectURL(new Blob([embedded("abbe-worker")], { type: "text/javascript" }));
 
 /// Starts a worker. `ask` sends it a task and the buffers that move to it, and `onnews` receives
-/// what its render sends: the sums of a part, or a coarse picture.
+/// what its render sends: passes, or a coarse picture.
 function startWorker(onnews = () => {}) {
   const worker = new Worker(script), waiting = new Map();
   let next = 0;
@@ -35,7 +41,9 @@ function startWorker(onnews = () => {}) {
     waiting.set(++next, { done, failed });
     worker.postMessage({ id: next, task, ...values }, moved);
   });
-  return { ask, started: module_.then(module => ask("start", { module })), end: () => worker.terminate() };
+  // A message on its way from an ended worker is lost, so that a new one can render its passes.
+  const end = () => { worker.onmessage = null; worker.terminate(); };
+  return { ask, started: module_.then(module => ask("start", { module })), end };
 }
 
 /// The scene and what the reader wants of it.
@@ -43,8 +51,8 @@ const wish = { text: "", changes: [], forbidden: [], draft: false, paused: false
 /// The task of loading the scene that the reader wants.
 const wantedScene = () => ({ text: wish.text, changes: wish.changes, forbidden: wish.forbidden });
 const leader = startWorker();
-/// The sums that the leader does not have yet, by the index of the part.
-let parts = [];
+/// The number of parts into which the passes of the scene are divided, or 0 before the first render.
+let parts = 0;
 let renderers = [], revision = 0, stateVersion = 1, listeners = [], spent = 0, begun = null;
 let isLoading = false, isShowing = false, hasNews = false, draftEnd = 0;
 let pictureFetched = () => {};
@@ -71,7 +79,7 @@ async function restart() {
   let now;
   do {
     now = revision;
-    parts = [];
+    parts = 0;
     hasNews = false;
     spent = 0;
     try {
@@ -102,21 +110,21 @@ const wantedPasses = async () => await leader.ask("passes") * 2 ** wish.extensio
 
 async function startRenderers() {
   const now = revision;
-  const passes = await wantedPasses().catch(() => 0), of = Math.min(RENDERERS, passes);
+  const passes = await wantedPasses().catch(() => 0);
   if (!passes || now !== revision || wish.paused) return;
+  const of = parts ||= Math.min(RENDERERS, passes);
   begun = performance.now();
   for (let index = 0; index < of; index++) {
-    const renderer = startWorker(({ coarse, bytes }) => {
+    const renderer = startWorker(({ coarse, pieces }) => {
       if (now !== revision) return;
       if (coarse) { leader.ask("coarse", { bytes: coarse }).then(changed); return; }
-      parts[index] = bytes;
-      showSums(passes);
+      leader.ask("add", { pieces }, pieces).then(() => showSums(passes)).catch(error => console.error(error));
     });
     renderers.push(renderer);
     renderer.started
       .then(() => renderer.ask("load", wantedScene()))
-      .then(async () => parts[index] ?? (await leader.ask("part", { index })).bytes)
-      .then(earlier => renderer.ask("render", { index, of, passes, earlier, pause: SUMS_PAUSE }))
+      .then(() => leader.ask("done", { index, of }))
+      .then(done => renderer.ask("render", { index, of, passes, done, pause: SUMS_PAUSE * of }))
       .catch(error => console.error(error))
       .finally(() => renderer.end());
   }
@@ -130,10 +138,7 @@ async function showSums(wanted) {
   while (hasNews) {
     hasNews = false;
     const begin = performance.now(), elapsed = (spent + (begun === null ? 0 : performance.now() - begun)) / 1000, now = revision;
-    // Sums have many bytes, so they move instead of being copied.
-    const news = parts;
-    parts = [];
-    await leader.ask("show", { news, wanted, elapsed }, news.filter(Boolean)).catch(() => {});
+    await leader.ask("show", { wanted, elapsed }).catch(() => {});
     if (now !== revision) continue;
     changed();
     // The leader should be free most of the time, for drags and for spectra.

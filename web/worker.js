@@ -2,8 +2,6 @@
 // the bindings of the module, which define `wasm_bindgen`.
 
 let engine = null;
-/// The newest sums of each part of the passes, for the worker that shows pictures.
-let sums = [];
 
 /// What the page can ask for. Each function returns the result, and the buffers that move with it.
 const TASKS = {
@@ -12,18 +10,19 @@ const TASKS = {
     engine = new wasm_bindgen.Engine();
   },
   load({ text, changes, forbidden }) {
-    sums = [];
     engine.load(text, changes, forbidden);
   },
   sketch: () => engine.showSketch(),
   coarse: ({ bytes }) => engine.showCoarse(new Uint8Array(bytes)),
   passes: () => engine.passes(),
-  /// Shows the passes so far. `news` contains the parts that have changed.
-  show({ news, wanted, elapsed }) {
-    news.forEach((bytes, index) => { sums[index] = bytes; });
-    engine.show(sums.filter(Boolean).map(bytes => new Uint8Array(bytes)), wanted, elapsed);
+  /// Adds passes of a renderer, and frees their memory, which a browser would collect late.
+  add({ pieces }) {
+    engine.add(pieces.map(piece => new Uint8Array(piece)));
+    pieces.forEach(piece => piece.transfer?.(0));
   },
-  part: ({ index }) => ({ bytes: sums[index]?.slice(0) }),
+  /// Shows the passes so far.
+  show: ({ wanted, elapsed }) => engine.show(wanted, elapsed),
+  done: ({ index, of }) => engine.done(index, of),
   keep: () => engine.keepAsReference(),
   state: ({ version }) => engine.state(version),
   text: () => engine.sceneText(),
@@ -31,16 +30,19 @@ const TASKS = {
     const [name, query] = path.split("?"), answer = engine.answer(name, query ?? "");
     return { kind: answer.kind, plane: [...answer.plane], bytes: answer.bytes.buffer };
   },
-  /// Renders a part of the passes. The first part also sends coarse pictures before its first pass.
-  /// Sends the sums after the first pass, then at most once in
-  /// `pause` milliseconds, and at the end.
-  render({ index, of, passes, earlier, pause }) {
+  /// Renders a part of the passes after its first `done` ones. The first part also sends coarse
+  /// pictures before its first pass. Sends the passes after the first one, then at most once in
+  /// `pause` milliseconds, and at the end. They move, so the next message has only later ones.
+  render({ index, of, passes, done, pause }) {
     let sent = -Infinity;
     const show = bytes => postMessage({ coarse: bytes.buffer }, [bytes.buffer]);
-    const send = bytes => { postMessage({ index, bytes: bytes.buffer }, [bytes.buffer]); sent = performance.now(); return true; };
-    const last = engine.render(index, of, passes, earlier && new Uint8Array(earlier), () => performance.now() - sent < pause || send,
-      index ? undefined : show);
-    send(last);
+    const send = arrays => {
+      const pieces = arrays.map(bytes => bytes.buffer);
+      postMessage({ pieces }, pieces);
+      sent = performance.now();
+      return true;
+    };
+    send(engine.render(index, of, passes, done, () => performance.now() - sent < pause || send, index ? undefined : show));
   },
 };
 

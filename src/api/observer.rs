@@ -156,7 +156,7 @@ impl Monitor for ObserverMonitor<'_> {
         self.observer.after_pass(progress).is_continue()
     }
 
-    fn checkpoint(&mut self, run: &Run) {
+    fn checkpoint(&mut self, run: &mut Run) {
         if let Some(progress) = self.progress {
             self.observer.show(&UnfinishedRender { job: self.job, run, metadata: self.metadata, progress });
         }

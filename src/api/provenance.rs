@@ -147,7 +147,7 @@ impl FileHash {
         if name.len() > LONGEST_PATH {
             return None;
         }
-        let path = self.file_access.file(folder, Path::new(name)).ok()?;
+        let path = PathBuf::from(self.file_access.file(folder, Path::new(name)).ok()?);
         let bytes = self.add(&path)?;
         Some((path, bytes))
     }

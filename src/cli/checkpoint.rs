@@ -124,7 +124,7 @@ impl Monitor for RenderMonitor<'_> {
         self.display.after_pass(progress)
     }
 
-    fn checkpoint(&mut self, run: &Run) {
+    fn checkpoint(&mut self, run: &mut Run) {
         self.preview.update(self.start, run);
         let begun = Instant::now();
         if begun < self.next {

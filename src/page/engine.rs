@@ -1,18 +1,18 @@
 //! The renderer behind a page that has no server: in WebAssembly, in the workers of a web page.
 //!
 //! One engine shows the pictures and answers the page. The others each render a part of the passes,
-//! and send their exact sums as bytes, which the first one adds. The bits are those of a render
-//! with the same passes by the command line.
+//! and their exact sums move to the first one as bytes, so that each engine holds the sums of one
+//! film. The bits are those of a render with the same passes by the command line.
 
 use super::answer::{ANSWERED_OF_SCENE, Answer, Refusal, answer, answer_of_scene};
 use super::loaded_scene::LoadedScene;
 use super::scene_panels::ScenePanels;
 use super::sketch::{SketchSize, of_bytes, to_bytes};
 use super::snapshot::{Shown, Snapshot};
-use super::state::{PageState, SessionState};
+use super::state::{PageState, SessionState, ViewProgress};
 use abbe_format::{FileAccess, parse_with_access};
 use abbe_session::render::{
-    CoarseLevel, CoarsePicture, Integrator, Monitor, PassPart, Progress, Request, Run, StopRules,
+    CoarseLevel, CoarsePicture, Integrator, Monitor, PassPart, Progress, Request, Run, StopRules, TakenPasses,
 };
 use abbe_spectra::error::{Error, Result};
 use std::path::Path;
@@ -27,6 +27,8 @@ const SCENE_NAME: &str = "scene.json";
 pub struct PageEngine {
     state: PageState,
     loaded: Option<Arc<LoadedScene>>,
+    /// The passes of the loaded scene that other engines have rendered.
+    passes: Option<TakenPasses>,
     /// The number of loaded scenes.
     scenes: u64,
     /// The number of pictures.
@@ -44,6 +46,8 @@ impl PageEngine {
     /// Returns an input error if the scene or a change is wrong, or if the scene uses files.
     pub fn load(&mut self, text: &str, changes: &[String], forbidden: &[String]) -> Result<()> {
         let start = Instant::now();
+        // The memory is free before the new scene needs some.
+        self.passes = None;
         let load = |changes: &[String]| parse_with_access(text, Path::new(SCENE_NAME), changes, FileAccess::default());
         let loaded = load(changes).and_then(|(scene, source)| {
             let Some(change) = LoadedScene::change_to_forbid(&scene, forbidden) else {
@@ -110,62 +114,78 @@ impl PageEngine {
         Ok(StopRules::default().passes_wanted(&self.loaded()?.job.budget).unwrap_or(1))
     }
 
-    /// Renders a part of the first `passes` passes, after those in `earlier`, the bytes of an
-    /// earlier call. `show_coarse` receives the bytes of finer and finer pictures before the first
-    /// pass. `after_pass` receives the run after each pass, and returns false to end the render.
-    /// Returns the bytes of all passes.
+    /// Renders a part of the first `passes` passes, after the first `done` passes of the part.
+    /// `show_coarse` receives the bytes of finer and finer pictures before the first pass.
+    /// `after_pass` receives the run after each pass, and returns false to end the render. It may
+    /// take the passes. Returns the run with the other ones.
     ///
     /// # Errors
-    /// Returns an input error if no scene is loaded, if the part has no passes, or if the bytes
-    /// belong to another scene.
+    /// Returns an input error if no scene is loaded, or if the part has no passes.
     pub fn render(
         &self,
         part: PassPart,
         passes: u64,
-        earlier: Option<&[u8]>,
+        done: u64,
         show_coarse: Option<&mut dyn FnMut(Vec<u8>)>,
-        after_pass: &mut dyn FnMut(&Run) -> bool,
-    ) -> Result<Vec<u8>> {
+        after_pass: &mut dyn FnMut(&mut Run) -> bool,
+    ) -> Result<Run> {
         let job = &self.loaded()?.job;
-        let run = match earlier {
-            Some(bytes) => job.run_of_bytes(&[bytes])?,
-            None => Run::new(job, part),
-        };
+        let run = Run::after(job, part, done);
         let stop = StopRules { passes: Some(passes), ..StopRules::default() };
         let mut monitor = EngineMonitor { show_coarse, after_pass, goes_on: true };
         let rendered = job.continue_run(Request { integrator: Integrator::Photon, stop }, run, &mut monitor)?;
-        Ok(rendered.run.to_bytes())
+        Ok(rendered.run)
     }
 
-    /// Shows the sum of parts of the passes, of `wanted` passes that take `elapsed_s` seconds so
-    /// far.
+    /// Adds passes that another engine has rendered of this scene. `pieces` are those of
+    /// [`Run::take_passes`].
     ///
     /// # Errors
-    /// Returns an input error if no scene is loaded, or if the bytes belong to another scene or
-    /// contain a pass twice.
-    pub fn show(&mut self, parts: &[impl AsRef<[u8]>], wanted: u64, elapsed_s: f64) -> Result<()> {
-        let run = self.loaded()?.job.run_of_bytes(parts)?;
+    /// Returns an input error if no scene is loaded, and the errors of [`TakenPasses::add`].
+    pub fn add(&mut self, pieces: impl IntoIterator<Item = impl AsRef<[u8]>>) -> Result<()> {
+        let loaded = self.loaded.clone().ok_or_else(no_scene)?;
+        self.passes.get_or_insert_with(|| TakenPasses::new(&loaded.job)).add(&loaded.job, pieces)
+    }
+
+    /// Returns the number of added passes of a part.
+    pub fn done(&self, part: PassPart) -> u64 {
+        self.passes.as_ref().map_or(0, |passes| passes.of_part(part))
+    }
+
+    fn run(&self) -> Result<&Run> {
+        self.passes.as_ref().map(TakenPasses::run).ok_or_else(|| Error::input("no passes are added"))
+    }
+
+    /// Shows the sum of the added passes, of `wanted` passes that take `elapsed_s` seconds so far.
+    ///
+    /// # Errors
+    /// Returns an input error if no passes are added.
+    pub fn show(&mut self, wanted: u64, elapsed_s: f64) -> Result<()> {
         self.pictures += 1;
-        let shown = Shown::Passes(run.picture_with_denoised(), &run);
+        let run = self.run()?;
+        let shown = Shown::Passes(run.picture_with_denoised(), run);
         let snapshot = Snapshot::of_render(self.pictures, self.scene()?, shown, self.last_of_scene());
         let is_done = run.passes() >= wanted;
+        let progress = ViewProgress {
+            passes: run.passes(),
+            passes_wanted: Some(wanted),
+            elapsed_s,
+            photons_per_second: run.photons() as f64 / elapsed_s.max(1e-3),
+            relative_error: run.relative_error(),
+            typical_error: run.typical_error(),
+        };
         self.state.session = if is_done { SessionState::Finished } else { SessionState::Rendering };
-        self.state.progress.passes = run.passes();
-        self.state.progress.passes_wanted = Some(wanted);
-        self.state.progress.elapsed_s = elapsed_s;
-        self.state.progress.photons_per_second = run.photons() as f64 / elapsed_s.max(1e-3);
-        self.state.progress.relative_error = run.relative_error();
-        self.state.progress.typical_error = run.typical_error();
+        self.state.progress = progress;
         self.state.snapshot = Some(Arc::new(snapshot));
         Ok(())
     }
 
-    /// Returns the hash of the exact sums of parts of the passes, as 32 hexadecimal digits.
+    /// Returns the hash of the exact sums of the added passes, as 32 hexadecimal digits.
     ///
     /// # Errors
-    /// Returns the errors of [`Self::show`].
-    pub fn hash_of_sums(&self, parts: &[impl AsRef<[u8]>]) -> Result<String> {
-        Ok(self.loaded()?.job.run_of_bytes(parts)?.hash_of_sums())
+    /// Returns an input error if no passes are added.
+    pub fn hash_of_sums(&self) -> Result<String> {
+        Ok(self.run()?.hash_of_sums())
     }
 
     /// Keeps the shown picture as the reference of comparisons.
@@ -202,18 +222,22 @@ impl PageEngine {
     }
 
     fn loaded(&self) -> Result<&LoadedScene> {
-        self.loaded.as_deref().ok_or_else(|| Error::input("no scene is loaded"))
+        self.loaded.as_deref().ok_or_else(no_scene)
     }
 
     fn scene(&self) -> Result<(&LoadedScene, Arc<ScenePanels>)> {
-        let scene = self.state.scene.as_ref().ok_or_else(|| Error::input("no scene is loaded"))?;
+        let scene = self.state.scene.as_ref().ok_or_else(no_scene)?;
         Ok((self.loaded()?, Arc::clone(scene)))
     }
 }
 
+fn no_scene() -> Error {
+    Error::input("no scene is loaded")
+}
+
 struct EngineMonitor<'a, 'c> {
     show_coarse: Option<&'c mut dyn FnMut(Vec<u8>)>,
-    after_pass: &'a mut dyn FnMut(&Run) -> bool,
+    after_pass: &'a mut dyn FnMut(&mut Run) -> bool,
     goes_on: bool,
 }
 
@@ -232,7 +256,7 @@ impl Monitor for EngineMonitor<'_, '_> {
         self.goes_on
     }
 
-    fn checkpoint(&mut self, run: &Run) {
+    fn checkpoint(&mut self, run: &mut Run) {
         self.goes_on = (self.after_pass)(run);
     }
 }
@@ -251,24 +275,41 @@ mod tests {
         engine
     }
 
+    fn taken(mut run: Run) -> Vec<Vec<u8>> {
+        let mut pieces = Vec::new();
+        run.take_passes(&mut |piece| pieces.push(piece.to_vec()));
+        pieces
+    }
+
     #[test]
     fn the_sum_of_parts_is_the_render_of_all_passes() {
-        let mut engine = engine();
-        let part = |index| {
-            let part = PassPart::new(index, 2).unwrap();
+        let (mut engine, worker) = (engine(), engine());
+        for part in [0, 1].map(|index| PassPart::new(index, 2).unwrap()) {
             // The render is interrupted after the first pass, and continues.
-            let first = engine.render(part, 6, None, None, &mut |run| run.passes() < 1).unwrap();
-            engine.render(part, 6, Some(&first), None, &mut |_| true).unwrap()
-        };
-        let parts = [part(0), part(1)];
+            let first = worker.render(part, 6, 0, None, &mut |run| run.passes() < 1).unwrap();
+            engine.add(taken(first)).unwrap();
+            assert_eq!(engine.done(part), 1);
+            let last = worker.render(part, 6, 1, None, &mut |run| {
+                run.take_passes(&mut |_| {});
+                true
+            });
+            assert!(engine.add(taken(last.unwrap())).is_err(), "the second pass is missing");
+            let send = &mut |run: &mut Run| {
+                let mut pieces = Vec::new();
+                run.take_passes(&mut |piece| pieces.push(piece.to_vec()));
+                engine.add(pieces).is_ok()
+            };
+            let last = worker.render(part, 6, 1, None, send).unwrap();
+            engine.add(taken(last)).unwrap();
+        }
         let job = &engine.loaded().unwrap().job;
-        let sum = job.run_of_bytes(&parts).unwrap();
+        let sum = engine.run().unwrap();
         let request =
             Request { integrator: Integrator::Photon, stop: StopRules { passes: Some(6), ..StopRules::default() } };
         let whole = job.render(request, &mut NoMonitor).unwrap().run;
         assert_eq!(sum.hash_of_sums(), whole.hash_of_sums());
         assert_eq!((sum.passes(), sum.typical_error()), (6, whole.typical_error()));
-        engine.show(&parts, 6, 2.0).unwrap();
+        engine.show(6, 2.0).unwrap();
         let state = engine.state(7);
         assert_eq!(
             (&state["version"], &state["passes"], &state["session"]),
@@ -290,17 +331,17 @@ mod tests {
         engine.show_sketch().unwrap();
         assert_eq!(coarse(&engine), serde_json::json!([80, 45]));
         let mut shown = Vec::new();
-        let with =
-            engine.render(PassPart::WHOLE, 1, None, Some(&mut |bytes| shown.push(bytes)), &mut |_| true).unwrap();
-        let without = engine.render(PassPart::WHOLE, 1, None, None, &mut |_| true).unwrap();
-        assert_eq!(engine.hash_of_sums(&[&with]).unwrap(), engine.hash_of_sums(&[without]).unwrap());
+        let with = engine.render(PassPart::WHOLE, 1, 0, Some(&mut |bytes| shown.push(bytes)), &mut |_| true).unwrap();
+        let without = engine.render(PassPart::WHOLE, 1, 0, None, &mut |_| true).unwrap();
+        assert_eq!(with.hash_of_sums(), without.hash_of_sums());
         assert!(!shown.is_empty());
         engine.show_coarse_bytes(&shown[0]).unwrap();
         assert_eq!(coarse(&engine), serde_json::json!([120, 68]));
         assert!(engine.answer("save.exr", "").is_err(), "a coarse picture is not saved");
         let errors = engine.answer("errors", "").unwrap().body;
         assert!(errors.chunks(4).all(|value| f32::from_le_bytes(value.try_into().unwrap()).is_nan()));
-        engine.show(&[with], 1, 1.0).unwrap();
+        engine.add(taken(with)).unwrap();
+        engine.show(1, 1.0).unwrap();
         engine.show_coarse_bytes(&shown[0]).unwrap();
         let state = engine.state(2);
         assert_eq!((&state["picture"]["coarse"], &state["picture"]["passes"]), (&serde_json::Value::Null, &1.into()));
@@ -309,13 +350,22 @@ mod tests {
 
     #[test]
     fn wrong_bytes_are_refused() {
-        let engine = engine();
-        let bytes = engine.render(PassPart::WHOLE, 1, None, None, &mut |_| true).unwrap();
+        let mut engine = engine();
+        assert!(engine.show(1, 1.0).is_err());
+        let mut render = |index, of, passes| {
+            taken(engine.render(PassPart::new(index, of).unwrap(), passes, 0, None, &mut |_| true).unwrap())
+        };
+        let (pieces, even) = (render(0, 1, 1), render(0, 2, 1));
         let job = &engine.loaded().unwrap().job;
-        for wrong in [&bytes[1..], &bytes[..bytes.len() - 16], &[]] {
-            assert!(job.run_of_bytes(&[wrong]).is_err());
+        let mut damaged = pieces.clone();
+        damaged[1].pop();
+        for wrong in [&pieces[1..], &pieces[..pieces.len() - 1], &damaged, &[]] {
+            assert!(TakenPasses::new(job).add(job, wrong).is_err());
         }
-        let twice = job.run_of_bytes(&[&bytes, &bytes]).unwrap_err();
+        engine.add(&pieces).unwrap();
+        let again = engine.add(&pieces).unwrap_err();
+        assert!(again.to_string().contains("do not follow"), "{again}");
+        let twice = engine.add(&even).unwrap_err();
         assert!(twice.to_string().contains("same pass"), "{twice}");
     }
 

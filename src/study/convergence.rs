@@ -62,7 +62,7 @@ impl Monitor for ConvergenceMonitor<'_> {
         self.monitor.after_pass(progress)
     }
 
-    fn checkpoint(&mut self, run: &Run) {
+    fn checkpoint(&mut self, run: &mut Run) {
         let passes = run.passes();
         if self.reference.is_some() && (passes >= self.next_passes || passes == self.passes_wanted) {
             let begun = Instant::now();

@@ -193,7 +193,7 @@ impl Monitor for ViewMonitor<'_, '_> {
         !orders.interrupted && orders.revision == self.revision
     }
 
-    fn checkpoint(&mut self, run: &Run) {
+    fn checkpoint(&mut self, run: &mut Run) {
         if !self.channel.orders().paused {
             self.publisher.update(run);
             return;

@@ -32,7 +32,7 @@ impl Monitor for Snapshots {
         true
     }
 
-    fn checkpoint(&mut self, run: &Run) {
+    fn checkpoint(&mut self, run: &mut Run) {
         self.0.push(run.picture().xyz);
     }
 }

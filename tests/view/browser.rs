@@ -82,6 +82,36 @@ impl Browser {
         self.tools.call("Emulation.setEmulatedMedia", &media);
     }
 
+    /// Makes pages see this number of processor cores.
+    pub(crate) fn have_cores(&mut self, cores: u32) {
+        self.tools.call("Emulation.setHardwareConcurrencyOverride", &json!({"hardwareConcurrency": cores}));
+    }
+
+    /// Returns the bytes of the process of the page that no other process shares, or `None` if the
+    /// system does not report them.
+    pub(crate) fn memory_of_page(&self) -> Option<u64> {
+        let fields = |file: String| std::fs::read_to_string(file).ok();
+        // The parent is the second field after the name of the program, which is in parentheses.
+        let parent = |process: u32| -> Option<u32> {
+            fields(format!("/proc/{process}/stat"))?.rsplit_once(") ")?.1.split(' ').nth(1)?.parse().ok()
+        };
+        let is_page = |process: u32| {
+            let command = fields(format!("/proc/{process}/cmdline")).unwrap_or_default();
+            let mut ancestors = std::iter::successors(Some(process), |&process| parent(process));
+            command.contains("--type=renderer") && ancestors.any(|process| process == self.child.id())
+        };
+        let private = |process: u32| -> Option<u64> {
+            let text = fields(format!("/proc/{process}/smaps_rollup"))?;
+            let lines = text.lines().filter(|line| line.starts_with("Private_"));
+            let kilobytes = lines.filter_map(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok());
+            Some(1024 * kilobytes.sum::<u64>())
+        };
+        let processes = std::fs::read_dir("/proc").ok()?.flatten();
+        let processes = processes.filter_map(|entry| entry.file_name().to_str()?.parse::<u32>().ok());
+        // The browser keeps a small spare process.
+        processes.filter(|&process| is_page(process)).filter_map(private).max()
+    }
+
     pub(crate) fn open(&mut self, url: &str) {
         self.tools.call("Page.navigate", &json!({"url": url}));
     }

@@ -4,6 +4,7 @@ use crate::browser::Browser;
 use crate::page::{DESKTOP, position};
 use abbe::page::PageEngine;
 use abbe_session::render::PassPart;
+use base64::Engine;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -75,10 +76,10 @@ fn node_has_the_bits_of_the_program() {
         let mut engine = PageEngine::default();
         engine.load(&std::fs::read_to_string(scene(name)).unwrap(), &changes, &[]).unwrap();
         let start = cpu_time::ThreadTime::now();
-        let bytes = pool.install(|| engine.render(PassPart::WHOLE, PASSES, None, None, &mut |_| true)).unwrap();
+        let run = pool.install(|| engine.render(PassPart::WHOLE, PASSES, 0, None, &mut |_| true)).unwrap();
         let native_s = start.elapsed().as_secs_f64();
         println!("{name}: {hash}, {native_s:.2} s native, {web_s:.2} s in Node: {:.2}", native_s / web_s);
-        assert_eq!(engine.hash_of_sums(&[bytes]).unwrap(), hash, "{name}");
+        assert_eq!(run.hash_of_sums(), hash, "{name}");
     }
 }
 
@@ -134,6 +135,37 @@ fn a_drag_keeps_five_pictures_a_second() {
     browser.mouse("mouseReleased", end, false);
     browser.wait("!state.draft && picture.passes > 0 && picture.number === state.picture.number");
     uses_only_itself(&browser);
+}
+
+/// The page contains the compressed module, whose size decides how long a page takes to arrive.
+#[test]
+#[ignore = "web: tests/run --web builds the page and runs this"]
+fn the_compressed_module_has_less_than_2_mb() {
+    const START: &str = "<script type=\"text/plain\" id=\"abbe-module\">";
+    let text = std::fs::read_to_string(root().join("target/page/index.html")).unwrap();
+    let module = text.split_once(START).and_then(|(_, rest)| rest.split_once('<')).unwrap().0;
+    let bytes = base64::engine::general_purpose::STANDARD.decode(module).unwrap().len();
+    println!("the compressed module has {:.3} MB", 1e-6 * bytes as f64);
+    assert!(bytes < 2_000_000, "{bytes}");
+}
+
+/// While two workers render the prism, the memory of the process of the page that it does not share
+/// with other processes stays below 400 MB.
+#[test]
+#[ignore = "web: tests/run --web builds the page and runs this"]
+fn the_page_needs_less_than_400_mb() {
+    let Some(mut browser) = Browser::start(DESKTOP, false) else { return };
+    browser.have_cores(2);
+    browser.open(&page());
+    browser.wait("picture?.passes > 0");
+    let mut most = 0;
+    while browser.run("picture.passes < 8").as_bool().unwrap() {
+        let Some(bytes) = browser.memory_of_page() else { return };
+        most = most.max(bytes);
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    println!("the page needs {:.0} MB", 1e-6 * most as f64);
+    assert!(most < 400_000_000, "{most}");
 }
 
 /// Before the first pass, the picture becomes finer, and says that it is coarse.

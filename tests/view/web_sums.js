@@ -7,6 +7,8 @@ wasm_bindgen.initSync({ module: fs.readFileSync(folder + "/abbe_web_bg.wasm") })
 for (const scene of scenes) {
   const engine = new wasm_bindgen.Engine();
   engine.load(fs.readFileSync(scene, "utf8"), JSON.parse(changes), []);
-  const start = process.cpuUsage().user, bytes = engine.render(0, 1, Number(passes), undefined, () => true);
-  console.log(engine.hashOfSums([bytes]), (process.cpuUsage().user - start) / 1e6);
+  const start = process.cpuUsage().user, pieces = engine.render(0, 1, Number(passes), 0, () => true);
+  const seconds = (process.cpuUsage().user - start) / 1e6;
+  engine.add(pieces);
+  console.log(engine.hashOfSums(), seconds);
 }

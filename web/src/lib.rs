@@ -27,6 +27,15 @@ fn thrown(error: &Error) -> JsValue {
     JsValue::from_str(&error.to_string())
 }
 
+/// Takes the passes of a run as an array of byte arrays, each of which can move to another worker.
+fn taken(run: &mut Run) -> Array {
+    let pieces = Array::new();
+    run.take_passes(&mut |piece| {
+        pieces.push(&Uint8Array::from(piece));
+    });
+    pieces
+}
+
 #[wasm_bindgen]
 impl Engine {
     #[wasm_bindgen(constructor)]
@@ -52,26 +61,26 @@ impl Engine {
         self.0.passes().map(|passes| passes as u32).map_err(|error| thrown(&error))
     }
 
-    /// Renders the passes of part `index` of `of`. Calls `after_pass` with the number of passes and
-    /// a function that returns the bytes of the run; it returns false to end the render.
-    /// Calls `show_coarse` with the bytes of coarse pictures.
+    /// Renders the passes of part `index` of `of` after the first `done` ones. Calls `after_pass`
+    /// with their number. It returns false to end the render, or a function that receives the
+    /// pieces of the passes so far. Calls `show_coarse` with the bytes of coarse pictures. Returns
+    /// the pieces of the other passes.
     pub fn render(
         &self,
         index: u32,
         of: u32,
         passes: u32,
-        earlier: Option<Vec<u8>>,
+        done: u32,
         after_pass: &Function,
         show_coarse: Option<Function>,
-    ) -> Result<Uint8Array, JsValue> {
+    ) -> Result<Array, JsValue> {
         let part = PassPart::new(index, of).map_err(|error| thrown(&error))?;
-        let mut report = |run: &Run| {
-            let bytes = || Uint8Array::from(run.to_bytes().as_slice());
+        let mut report = |run: &mut Run| {
             let wanted = after_pass.call1(&JsValue::NULL, &JsValue::from_f64(run.passes() as f64));
-            // The page wants the bytes, or only goes on, or ends the render.
+            // The page wants the passes, or only goes on, or ends the render.
             match wanted {
                 Ok(answer) if answer.is_function() => {
-                    Function::from(answer).call1(&JsValue::NULL, &bytes()).is_ok_and(|answer| !answer.is_falsy())
+                    Function::from(answer).call1(&JsValue::NULL, &taken(run)).is_ok_and(|answer| !answer.is_falsy())
                 }
                 Ok(answer) => !answer.is_falsy(),
                 Err(_) => false,
@@ -84,21 +93,27 @@ impl Engine {
             }
         });
         let show = show.as_mut().map(|show| show as &mut dyn FnMut(Vec<u8>));
-        let bytes = self.0.render(part, passes.into(), earlier.as_deref(), show, &mut report);
-        bytes.map(|bytes| Uint8Array::from(bytes.as_slice())).map_err(|error| thrown(&error))
+        let run = self.0.render(part, passes.into(), done.into(), show, &mut report);
+        run.map(|mut run| taken(&mut run)).map_err(|error| thrown(&error))
     }
 
-    /// `parts` contains the bytes of runs.
-    pub fn show(&mut self, parts: &Array, wanted: u32, elapsed_s: f64) -> Result<(), JsValue> {
-        let parts: Vec<Vec<u8>> = parts.iter().map(|bytes| Uint8Array::from(bytes).to_vec()).collect();
-        self.0.show(&parts, wanted.into(), elapsed_s).map_err(|error| thrown(&error))
+    /// Adds pieces of passes.
+    pub fn add(&mut self, pieces: &Array) -> Result<(), JsValue> {
+        self.0.add(pieces.iter().map(|piece| Uint8Array::from(piece).to_vec())).map_err(|error| thrown(&error))
     }
 
-    /// Returns the hash of the exact sums of runs.
+    /// Returns the number of added passes of part `index` of `of`.
+    pub fn done(&self, index: u32, of: u32) -> Result<u32, JsValue> {
+        PassPart::new(index, of).map(|part| self.0.done(part) as u32).map_err(|error| thrown(&error))
+    }
+
+    pub fn show(&mut self, wanted: u32, elapsed_s: f64) -> Result<(), JsValue> {
+        self.0.show(wanted.into(), elapsed_s).map_err(|error| thrown(&error))
+    }
+
     #[wasm_bindgen(js_name = hashOfSums)]
-    pub fn hash_of_sums(&self, parts: &Array) -> Result<String, JsValue> {
-        let parts: Vec<Vec<u8>> = parts.iter().map(|bytes| Uint8Array::from(bytes).to_vec()).collect();
-        self.0.hash_of_sums(&parts).map_err(|error| thrown(&error))
+    pub fn hash_of_sums(&self) -> Result<String, JsValue> {
+        self.0.hash_of_sums().map_err(|error| thrown(&error))
     }
 
     #[wasm_bindgen(js_name = keepAsReference)]

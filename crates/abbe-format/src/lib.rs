@@ -150,7 +150,7 @@ pub use texture::{GradientFile, NoisePatternFile, PatternFile, ReflectanceFile, 
 pub use transform::{KeyframeFile, ScaleFile, TransformFile, TransformStepFile};
 pub use uv::UvFile;
 
-pub use crate::json::{FileAccess, JsonPath, JsonSource, MAX_BYTES, PATCH_LABEL, read_text};
+pub use crate::json::{FileAccess, JsonPath, JsonSource, MAX_BYTES, NamedFile, PATCH_LABEL, read_text};
 
 /// Returns the JSON Schema of the scene file. The schema follows draft 2020-12.
 ///

@@ -96,7 +96,7 @@ impl PatchedText {
             let text = read_text(&path).map_err(|error| unreadable(error).on_path(&path_of_name))?;
             let part = parts.len();
             found_sections.extend(sections(&text, &path)?.into_iter().map(|section| (part, section)));
-            parts.push(OriginalFile { path, text });
+            parts.push(OriginalFile { path: path.into(), text });
         }
         let here = PieceOrigin::At(Box::new(self.origin(list.start())));
         for (key, is_list) in PART_SECTIONS {

@@ -27,7 +27,7 @@ mod source;
 pub(crate) mod tests;
 mod text;
 
-pub use file_access::FileAccess;
+pub use file_access::{FileAccess, NamedFile};
 pub use patch::PATCH_LABEL;
 pub use path::JsonPath;
 pub use pretty::{one_line, pretty};

@@ -3,7 +3,7 @@
 use super::patch::PatchedText;
 use super::positions::{SpannedValue, ValueKind};
 use super::{deserialize::ValueDeserializer, path, repair::Repairs, serialize::Sections};
-use crate::FileAccess;
+use crate::{FileAccess, NamedFile};
 use abbe_spectra::error::{Error, MAX_FAULTS, Result};
 use abbe_spectra::text::without_byte_order_mark;
 use serde::de::DeserializeOwned;
@@ -156,7 +156,7 @@ impl JsonSource {
     ///
     /// # Errors
     /// Returns an error if the path leads out of the folder and the file access does not allow it.
-    pub fn file(&self, path: &str) -> Result<PathBuf> {
+    pub fn file(&self, path: &str) -> Result<NamedFile> {
         self.file_access.file(self.folder(), Path::new(path))
     }
 

@@ -163,7 +163,7 @@ fn find_file(root: &Path, access: FileAccess, search: &[String], near: &str, nam
     for start in candidates {
         let relative = if Path::new(name).is_absolute() { name.to_string() } else { format!("{start}{name}") };
         match access.file(root, Path::new(&relative)) {
-            Ok(path) if path.is_file() => return Ok((relative, path)),
+            Ok(path) if path.is_file() => return Ok((relative, path.into())),
             Ok(_) => {}
             Err(error) => refused = Some(error),
         }

@@ -54,7 +54,7 @@ impl PbrtReader<'_> {
                 let path = self.file_access.file(self.base, Path::new(&name))?;
                 let text = read_text(&path).map_err(|why| place.error(format!("cannot include \"{name}\": {why}")))?;
                 let state = (directive == "Import").then(|| self.state.clone());
-                files.push((Tokens::new(text, path), state));
+                files.push((Tokens::new(text, path.into()), state));
             } else {
                 self.directive(&directive, tokens, &place)?;
             }

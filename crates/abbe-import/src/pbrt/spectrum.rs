@@ -113,7 +113,7 @@ impl SpectrumContext<'_> {
                     let what = format!("the spectrum \"{name}\" is not known, and is not a file");
                     return Err(parameter.place.error(what));
                 }
-                let mut tokens = Tokens::new(read_text(&path)?, path.clone());
+                let mut tokens = Tokens::new(read_text(&path)?, path.clone().into());
                 let mut numbers = Vec::new();
                 while let Some(token) = tokens.read()? {
                     let Token::Number(number) = token else { return Err(tokens.place().error("expected a number")) };

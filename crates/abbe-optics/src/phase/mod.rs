@@ -11,6 +11,7 @@ mod ice;
 pub mod mie;
 mod mixture;
 mod oriented;
+mod packed_table;
 mod rainbow;
 mod rayleigh;
 mod table;

@@ -53,8 +53,9 @@ pub trait Monitor {
     /// Receives the progress after each pass. Returns false to end the render.
     fn after_pass(&mut self, progress: &Progress) -> bool;
 
-    /// Receives the run after each pass except the last one, and may save the run.
-    fn checkpoint(&mut self, _run: &Run) {}
+    /// Receives the run after each pass except the last one, and may save the run, or move its
+    /// passes elsewhere.
+    fn checkpoint(&mut self, _run: &mut Run) {}
 }
 
 /// A monitor that ignores all progress.

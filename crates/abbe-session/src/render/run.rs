@@ -19,6 +19,8 @@ pub struct Run {
     pub(super) part: PassPart,
     /// The number of completed passes of the part. These are the first passes of the part.
     pub(super) done: u64,
+    /// The number of these passes whose sums are in another run, and their time in s.
+    pub(super) taken: (u64, f64),
     /// The passes at which the whole picture stops, or `None` without limit.
     pub(super) wanted: Option<u64>,
     /// The spectra that the shared wavelengths of the completed passes have sampled.
@@ -43,7 +45,15 @@ impl Run {
             tally: Tally::default(),
             seconds: StageSeconds::default(),
         };
-        Self { sums, part, done: 0, wanted: None, coverage: SpectrumCoverage::default(), largest_work: None }
+        Self {
+            sums,
+            part,
+            done: 0,
+            taken: (0, 0.0),
+            wanted: None,
+            coverage: SpectrumCoverage::default(),
+            largest_work: None,
+        }
     }
 
     pub fn picture(&self) -> Picture {

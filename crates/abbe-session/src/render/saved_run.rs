@@ -104,7 +104,7 @@ impl SavedRun {
         let film = saved.film(path, job.scene.film.observer)?;
         let Self { part, done, wanted, largest_work, .. } = saved;
         let sums = PassSums { film, ledger: saved.ledger, tally: saved.tally, seconds: saved.stats.seconds };
-        Ok(Run { sums, part, done, wanted, coverage: SpectrumCoverage::default(), largest_work })
+        Ok(Run { sums, part, done, taken: (0, 0.0), wanted, coverage: SpectrumCoverage::default(), largest_work })
     }
 
     /// Returns true if the pass is done. `pass` is the index of the pass in the picture.

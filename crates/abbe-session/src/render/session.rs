@@ -125,7 +125,7 @@ impl Job {
             stopped = conditions.hold(&run);
             interrupted = !monitor.after_pass(&conditions.progress(&run)) && !stopped;
             if !(stopped || interrupted) {
-                monitor.checkpoint(&run);
+                monitor.checkpoint(&mut run);
             }
         }
         if run.sums.film.overflowed() {

@@ -1,47 +1,59 @@
-//! The exact sums of a run as bytes, for renderers that share memory or messages instead of files:
-//! the workers of a web page each render a part of the passes, and one of them adds the sums.
+//! Moves passes from a run to another one as bytes, for renderers that share memory or messages
+//! instead of files: the workers of a web page each render a part of the passes, and one of them
+//! adds the sums. The sums move, so that each worker holds those of one film.
 //!
 //! The bytes belong to this version and this scene; a saved run is the format for files.
 
 use super::job::Job;
+use super::packed_sums::{pack, unpack};
 use super::part::PassPart;
 use super::request::Integrator;
 use super::run::Run;
 use crate::output::exr::hash_sums;
 use abbe_spectra::error::{Error, Result};
-use abbe_spectra::math::sum::ExactSum;
 use abbe_transport::emit::SpectrumCoverage;
-use abbe_transport::pass::{PassSums, StageSeconds};
+use abbe_transport::pass::StageSeconds;
 use abbe_transport::plan::Tally;
 use abbe_transport::walk::ledger::Ledger;
 use serde::{Deserialize, Serialize};
 
-/// Everything of a run except the sums of its film.
+/// Everything of some passes of a part except the sums of their film.
 #[derive(Debug, Serialize, Deserialize)]
 struct Record {
     part: PassPart,
+    /// The number of passes of the part before these.
+    before: u64,
+    /// The number of passes of the part up to the last one of these.
     done: u64,
     ledger: Ledger,
     tally: Tally,
     seconds: StageSeconds,
 }
 
-const BYTES_PER_SUM: usize = size_of::<i128>();
-
 impl Run {
-    /// Returns the passes so far as bytes: the length of a record in 4 bytes, the record as JSON,
-    /// and the sums of all pixels, plane by plane, as 128-bit words in little-endian order.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let PassSums { film, ledger, tally, seconds } = &self.sums;
-        let (ledger, tally, seconds) = (ledger.clone(), *tally, *seconds);
-        let record = Record { part: self.part, done: self.done, ledger, tally, seconds };
-        let record = serde_json::to_vec(&record).expect("a record has text keys and no fallible values");
-        let planes = film.light_plane_names().len();
-        let mut bytes = Vec::with_capacity(4 + record.len() + planes * film.width() * film.height() * BYTES_PER_SUM);
-        bytes.extend((record.len() as u32).to_le_bytes());
-        bytes.extend(record);
-        (0..planes).for_each(|plane| film.plane(plane).for_each(|sum| bytes.extend(sum.bits().to_le_bytes())));
-        bytes
+    /// Returns a run that continues a part after its first `done` passes, whose sums are elsewhere.
+    pub fn after(job: &Job, part: PassPart, done: u64) -> Self {
+        Self { done, taken: (done, 0.0), ..Self::new(job, part) }
+    }
+
+    /// Moves the passes since the last call out of the run. `send` receives a record as JSON, and
+    /// then the sums of one plane of the film after another.
+    pub fn take_passes(&mut self, send: &mut dyn FnMut(&[u8])) {
+        let sums = &mut self.sums;
+        let (before, seconds_before) = std::mem::replace(&mut self.taken, (self.done, sums.seconds.total));
+        let seconds = StageSeconds { total: sums.seconds.total - seconds_before, ..sums.seconds };
+        sums.seconds = StageSeconds { total: sums.seconds.total, ..StageSeconds::default() };
+        let empty = Ledger::new(sums.ledger.absorbed.len());
+        let (ledger, tally) = (std::mem::replace(&mut sums.ledger, empty), std::mem::take(&mut sums.tally));
+        let record = Record { part: self.part, before, done: self.done, ledger, tally, seconds };
+        send(&serde_json::to_vec(&record).expect("a record has text keys and no fallible values"));
+        let mut bytes = Vec::new();
+        for plane in 0..sums.film.light_plane_names().len() {
+            pack(sums.film.plane(plane), &mut bytes);
+            send(&bytes);
+            bytes.clear();
+        }
+        sums.film.clear();
     }
 
     /// Returns the BLAKE3 hashes of all sums of the film as 32 hexadecimal digits. Two runs of a
@@ -51,60 +63,71 @@ impl Run {
     }
 }
 
-impl Job {
-    /// Adds the passes of runs of this job, from the bytes of [`Run::to_bytes`]. The run of a
-    /// single part can continue. Returns an input error if bytes do not belong to this job, or if
-    /// two parts contain the same pass.
-    pub fn run_of_bytes(&self, parts: &[impl AsRef<[u8]>]) -> Result<Run> {
-        let mut run = Run::new(self, PassPart::WHOLE);
-        if self.errors_are_unknown(Integrator::Photon) {
-            run.sums.film.assume_missing_light();
-        }
-        run.coverage = SpectrumCoverage::before_first_pass(&self.scene);
-        let context = self.pass_context();
-        let mut records: Vec<Record> = Vec::with_capacity(parts.len());
-        for bytes in parts {
-            let record = add(bytes.as_ref(), &mut run.sums).ok_or_else(|| Error::input("the bytes are no run"))?;
-            let is_shared = |other: &Record| {
-                let shared = record.part.shared_with(other.part);
-                let holds = |record: &Record, pass| record.part.nth(pass).is_some_and(|nth| nth < record.done);
-                shared.is_some_and(|pass| holds(&record, pass) && holds(other, pass))
-            };
-            if records.iter().any(is_shared) {
-                return Err(Error::input("two runs contain the same pass"));
-            }
-            for nth in 0..record.done {
-                let pass = record.part.pass(nth);
-                run.sums.film.count_pass(pass);
-                context.add_wavelengths(pass, &mut run.coverage);
-            }
-            run.done += record.done;
-            records.push(record);
-        }
-        if let [only] = records.as_slice() {
-            run.part = only.part;
-        }
-        Ok(run)
-    }
+/// The sum of the passes that [`Run::take_passes`] has moved out of the runs of a job.
+#[derive(Debug)]
+pub struct TakenPasses {
+    run: Run,
+    /// The number of passes of each part.
+    parts: Vec<(PassPart, u64)>,
 }
 
-/// Adds the sums in bytes, and returns their record. Returns `None` if the bytes do not fit the
-/// film.
-fn add(bytes: &[u8], sums: &mut PassSums) -> Option<Record> {
-    let (length, rest) = bytes.split_first_chunk()?;
-    let (record, words) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
-    let record: Record = serde_json::from_slice(record).ok()?;
-    let film = &mut sums.film;
-    let plane_bytes = film.width() * film.height() * BYTES_PER_SUM;
-    if words.len() != film.light_plane_names().len() * plane_bytes {
-        return None;
+impl TakenPasses {
+    pub fn new(job: &Job) -> Self {
+        let mut run = Run::new(job, PassPart::WHOLE);
+        if job.errors_are_unknown(Integrator::Photon) {
+            run.sums.film.assume_missing_light();
+        }
+        run.coverage = SpectrumCoverage::before_first_pass(&job.scene);
+        Self { run, parts: Vec::new() }
     }
-    for (plane, words) in words.chunks_exact(plane_bytes).enumerate() {
-        let bits = words.chunks_exact(BYTES_PER_SUM).filter_map(|bits| bits.try_into().ok());
-        film.add_plane(plane, 0, bits.map(|bits| ExactSum::from_bits(i128::from_le_bytes(bits))));
+
+    pub fn run(&self) -> &Run {
+        &self.run
     }
-    sums.ledger.add(&record.ledger);
-    sums.tally.add(&record.tally);
-    sums.seconds.add(&record.seconds);
-    Some(record)
+
+    /// Returns the number of passes of a part.
+    pub fn of_part(&self, part: PassPart) -> u64 {
+        self.parts.iter().find(|(other, _)| *other == part).map_or(0, |(_, done)| *done)
+    }
+
+    /// Adds passes of a run of this job. `pieces` are those of [`Run::take_passes`]. Returns an
+    /// input error if they do not belong to this job, if a pass is contained already, or if an
+    /// earlier pass of the part is missing. After an error, the sums may be incomplete.
+    pub fn add(&mut self, job: &Job, pieces: impl IntoIterator<Item = impl AsRef<[u8]>>) -> Result<()> {
+        let foreign = || Error::input("the bytes are not passes of this scene");
+        let mut pieces = pieces.into_iter();
+        let record = pieces.next().and_then(|record| serde_json::from_slice::<Record>(record.as_ref()).ok());
+        let Record { part, before, done, ledger, tally, seconds } = record.ok_or_else(foreign)?;
+        if done < before || before != self.of_part(part) {
+            return Err(Error::input("the passes do not follow those before them"));
+        }
+        let is_shared = |&(other, others): &(PassPart, u64)| {
+            let holds = |part: PassPart, done, pass| part.nth(pass).is_some_and(|nth| nth < done);
+            let shared = if part == other { None } else { part.shared_with(other) };
+            shared.is_some_and(|pass| holds(part, done, pass) && holds(other, others, pass))
+        };
+        if self.parts.iter().any(is_shared) {
+            return Err(Error::input("two runs contain the same pass"));
+        }
+        let sums = &mut self.run.sums;
+        let pixels = sums.film.width() * sums.film.height();
+        for plane in 0..sums.film.light_plane_names().len() {
+            let piece = pieces.next().and_then(|piece| unpack(piece.as_ref(), pixels)).ok_or_else(foreign)?;
+            sums.film.add_plane(plane, 0, piece.into_iter());
+        }
+        sums.ledger.add(&ledger);
+        sums.tally.add(&tally);
+        sums.seconds.add(&seconds);
+        let context = job.pass_context();
+        for pass in (before..done).map(|nth| part.pass(nth)) {
+            sums.film.count_pass(pass);
+            context.add_wavelengths(pass, &mut self.run.coverage);
+        }
+        self.run.done += done - before;
+        match self.parts.iter_mut().find(|(other, _)| *other == part) {
+            Some((_, own)) => *own = done,
+            None => self.parts.push((part, done)),
+        }
+        Ok(())
+    }
 }

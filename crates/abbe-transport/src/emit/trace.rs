@@ -121,8 +121,8 @@ fn trace_one_limited<M: BodyMode, V: PhotonVisitor>(
     }
 }
 
-/// Emits a photon, or returns `None` if it has no power.
-#[inline(always)]
+/// Emits a photon, or returns `None` if it has no power. It is large, so both loops share one copy.
+#[inline(never)]
 fn start<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
     points: &Sobol,

@@ -311,6 +311,15 @@ impl Film {
         }
     }
 
+    /// Forgets the passes so far. Lists of names stay, which do not depend on the passes.
+    pub fn clear(&mut self) {
+        self.pixels.fill(PixelSums::default());
+        self.by_channel.fill(ExactSum::default());
+        self.denoising.fill(DenoisingSums::default());
+        self.measurement.iter_mut().for_each(|measurement| measurement.by_replicate.fill(0.0));
+        self.passes = [0; REPLICATES];
+    }
+
     /// Returns the picture so far: means over the passes, with error bars.
     pub fn picture(&self) -> Picture {
         self.picture_and_errors().0

@@ -78,7 +78,7 @@ impl GltfFile {
     fn buffer_path(&self, uri: &str) -> Result<PathBuf> {
         let decoded = decoded_address(uri).ok_or_else(|| invalid_address(uri))?;
         let path = decoded.strip_prefix("file://").or(decoded.strip_prefix("file:")).unwrap_or(&decoded);
-        self.file_access.file(&self.folder, Path::new(path))
+        self.file_access.file(&self.folder, Path::new(path)).map(PathBuf::from)
     }
 }
 

@@ -179,7 +179,7 @@ impl<'a> CameraPass<'a> {
         let length = context.buffers.factors.length();
         let reflects = self.scatter_forced(&mut path, interaction, ScatterEvent::Reflection, 1.0, context);
         if reflects && survives(self.scene, &mut path, context) {
-            self.follow_shared(&path, context);
+            self.follow(&path, context);
         }
         context.buffers.factors.return_to(length);
     }
@@ -202,7 +202,7 @@ impl<'a> CameraPass<'a> {
                 SplitEvent::Crystal => self.scatter_wave_at_crystal(&mut single, interaction, context),
             };
             if continues && survives(self.scene, &mut single, context) {
-                self.follow_shared(&single, context);
+                self.follow(&single, context);
             }
             context.buffers.factors.return_to(length);
         }

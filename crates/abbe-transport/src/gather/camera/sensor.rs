@@ -50,7 +50,7 @@ impl<'a> CameraPass<'a> {
         path.multiply(Factor::Grey(start.weight), context.buffers);
         match self.plan.wavelengths {
             WavelengthPlan::Shared => self.follow_each_shared(path, context),
-            WavelengthPlan::Free | WavelengthPlan::Both => self.follow_free(&path, context),
+            WavelengthPlan::Free | WavelengthPlan::Both => self.follow(&path, context),
         }
     }
 }

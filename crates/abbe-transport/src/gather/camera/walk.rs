@@ -75,7 +75,7 @@ impl<'a> CameraPass<'a> {
                     }
                     if let Some(mut single) = self.to_shared_wavelength(path(ray), lane, &mut context) {
                         single.multiply(Factor::Grey(weight), context.buffers);
-                        self.follow_shared(&single, &mut context);
+                        self.follow(&single, &mut context);
                     }
                 }
             }
@@ -99,7 +99,7 @@ impl<'a> CameraPass<'a> {
     pub(super) fn follow_each_shared<S: Sink>(&self, path: CameraPath, context: &mut PathContext<'_, 'a, S>) {
         for lane in 0..LANES {
             if let Some(single) = self.to_shared_wavelength(path, lane, context) {
-                self.follow_shared(&single, context);
+                self.follow(&single, context);
             }
         }
     }
@@ -120,19 +120,10 @@ impl<'a> CameraPass<'a> {
         Some(CameraPath { spectral_mode: SpectralMode::Shared { lane, nm, throughput }, ..path })
     }
 
-    /// Follows a path to its end, at one shared wavelength. Compiled once for several callers.
-    pub(in crate::gather) fn follow_shared<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
-        self.follow(path, context);
-    }
-
+    /// Follows a path to its end. Only this function chooses the [`BodyMode`] of camera paths. It is
+    /// large, so its callers share one copy.
     #[inline(never)]
-    pub(super) fn follow_free<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
-        self.follow(path, context);
-    }
-
-    /// Follows a path to its end. Only this function chooses the [`BodyMode`] of camera paths.
-    #[inline(always)]
-    fn follow<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+    pub(in crate::gather) fn follow<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         let length = context.buffers.factors.length();
         match self.plan.media_plan {
             MediumPlan::Air => self.follow_in_mode::<WithoutBodies, S>(path, context),
@@ -237,7 +228,7 @@ impl<'a> CameraPass<'a> {
         path.multiply(Factor::Grey(factor), context.buffers);
         context.with_truncated_light(1.0, |truncated| {
             if let Some(scattered) = self.interact::<M, _>(&path, &interaction, truncated) {
-                self.follow_shared(&scattered, truncated);
+                self.follow(&scattered, truncated);
             }
         });
     }
