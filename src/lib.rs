@@ -107,6 +107,7 @@
 //! | `pages` | | HTML pages that compare pictures or lamps, and studies of accuracy |
 //! | `view` | yes | the live view in the browser (`abbe view`); implies `cli` |
 //! | `meshes` | yes | OBJ, PLY, STL and glTF files, and scenes of other programs |
+//! | `gems` | yes | gem designs of GemCad and Gem Cut Studio; implies `meshes` |
 //!
 //! To use the renderer without the command line, depend on it as `abbe = { version = "…",
 //! default-features = false }`.
