@@ -28,10 +28,10 @@ const MAX_BYTES: u64 = 4 << 20;
 /// The largest number of facets of a design.
 const MAX_FACETS: usize = 4096;
 
-/// The largest distance from a plane at which a vertex lies on it, as a part of the median distance
-/// of the facets. Files round distances to 10⁻⁸, so facets that meet in one point miss it by a
-/// little. The tolerance is above the distance at which a mesh counts two vertices as one.
-const TOLERANCE: f64 = 4e-6;
+/// The length of the edges that vanish, as a part of the median distance of the facets. Files round
+/// distances, so facets that meet in one point of the design miss it by a little. The length is
+/// above the distance at which a mesh counts two vertices as one.
+const SHORTEST_EDGE: f64 = 1e-5;
 
 /// The largest distance of a vertex that the file states from the gem, as a part of the median
 /// distance of the facets. Files of Gem Cut Studio round to 3 · 10⁻⁵.
@@ -90,8 +90,8 @@ fn body(facets: &[Facet]) -> Result<(TriangleMesh, Option<String>)> {
     }
     check_stated(facets, STATED_TOLERANCE * median)?;
     let planes: Vec<Plane> = facets.iter().map(|facet| facet.plane).collect();
-    let solid = polyhedron::intersection(&planes, TOLERANCE * median).map_err(|fault| explain(&fault, facets))?;
-    let untouched = solid.untouched(&planes, TOLERANCE * median);
+    let solid = polyhedron::intersection(&planes, SHORTEST_EDGE * median).map_err(|fault| explain(&fault, facets))?;
+    let untouched = solid.untouched(&planes, SHORTEST_EDGE * median);
     let count = untouched.len();
     let note = listed(untouched.into_iter().map(|number| facets[number].name.as_str())).map(|names| {
         let facets = if count == 1 { "1 facet does" } else { &format!("{count} facets do") };
@@ -111,7 +111,7 @@ fn meshed(solid: &Polyhedron) -> Result<TriangleMesh> {
     let triangles = splitter.triangles;
     let mesh = TriangleMesh::new(positions, None, None, triangles)?;
     if !mesh.is_closed() || mesh.signed_volume() <= 0.0 {
-        return Err(Error::input("the facets of the gem design enclose too thin a body"));
+        return Err(Error::input("the facets of the gem design enclose no body that is thick enough"));
     }
     Ok(mesh)
 }

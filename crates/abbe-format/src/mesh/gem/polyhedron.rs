@@ -1,8 +1,8 @@
 //! The convex polyhedron behind all of a set of planes.
 //!
 //! A large cube is cut by one plane after the other. Faces share their vertices, so the surface
-//! stays closed. A vertex near a plane counts as a vertex on it, so that planes which meet in one
-//! point up to rounding have one vertex there.
+//! stays closed. At the end, short edges shrink to points, so that planes which meet in one point up
+//! to rounding have one vertex there.
 
 use glam::{DMat3, DVec3};
 use std::cmp::Ordering;
@@ -49,8 +49,10 @@ pub(super) enum Fault {
     Open(DVec3),
 }
 
-/// Intersects the half-spaces behind the planes. Vertices within `tolerance` of a plane lie on it.
-pub(super) fn intersection(planes: &[Plane], tolerance: f64) -> Result<Polyhedron, Fault> {
+/// Intersects the half-spaces behind the planes. Edges shorter than `shortest` become points.
+pub(super) fn intersection(planes: &[Plane], shortest: f64) -> Result<Polyhedron, Fault> {
+    // A vertex this near to a plane counts as a vertex on it.
+    let tolerance = 1e-3 * shortest;
     let farthest = planes.iter().map(|plane| plane.distance.abs()).fold(0.0, f64::max);
     let mut solid = Polyhedron::cube(1e3 * farthest, planes.len());
     for (number, plane) in planes.iter().enumerate() {
@@ -59,7 +61,8 @@ pub(super) fn intersection(planes: &[Plane], tolerance: f64) -> Result<Polyhedro
     if let Some(face) = solid.faces.iter().find(|face| face.plane >= planes.len()) {
         return Err(Fault::Open(cube_normal(face.plane - planes.len())));
     }
-    solid.adjust(planes, tolerance);
+    solid.contract(shortest);
+    solid.adjust(planes, shortest);
     Ok(solid)
 }
 
@@ -165,9 +168,38 @@ impl Polyhedron {
         corners.for_each(|corner| *corner = number[*corner as usize].unwrap_or_default());
     }
 
+    /// Shrinks edges shorter than `shortest` to points. Faces without an area vanish.
+    fn contract(&mut self, shortest: f64) {
+        let mut target: Vec<u32> = (0..self.vertices.len() as u32).collect();
+        let root = |target: &[u32], mut vertex: u32| {
+            while target[vertex as usize] != vertex {
+                vertex = target[vertex as usize];
+            }
+            vertex
+        };
+        for face in &self.faces {
+            for (&from, &to) in face.corners.iter().zip(face.corners.iter().cycle().skip(1)) {
+                let [a, b] = [from, to].map(|end| self.vertices[end as usize]);
+                if a.distance(b) < shortest {
+                    let [a, b] = [from, to].map(|end| root(&target, end));
+                    target[a.max(b) as usize] = a.min(b);
+                }
+            }
+        }
+        for face in &mut self.faces {
+            face.corners.iter_mut().for_each(|corner| *corner = root(&target, *corner));
+            face.corners.dedup();
+            if face.corners.len() > 1 && face.corners.first() == face.corners.last() {
+                face.corners.pop();
+            }
+        }
+        self.faces.retain(|face| face.corners.len() >= 3);
+        self.drop_unused();
+    }
+
     /// Moves each vertex to the point with the least squared distances from its planes, so that it
-    /// does not depend on the order of the cuts. A vertex moves by some tolerances at most.
-    fn adjust(&mut self, planes: &[Plane], tolerance: f64) {
+    /// does not depend on the order of the cuts. A vertex moves by ten times `shortest` at most.
+    fn adjust(&mut self, planes: &[Plane], shortest: f64) {
         let mut squares = vec![(DMat3::ZERO, DVec3::ZERO); self.vertices.len()];
         for face in &self.faces {
             let plane = &planes[face.plane];
@@ -181,7 +213,7 @@ impl Polyhedron {
         for (vertex, (matrix, gap)) in self.vertices.iter_mut().zip(squares) {
             let shift = matrix.inverse() * gap;
             // Planes that are almost parallel leave the vertex undetermined.
-            if matrix.determinant() > 1e-9 && shift.length() < 100.0 * tolerance {
+            if matrix.determinant() > 1e-9 && shift.length() < 10.0 * shortest {
                 *vertex += shift;
             }
         }
