@@ -108,6 +108,7 @@
 //! | `view` | yes | the live view in the browser (`abbe view`); implies `cli` |
 //! | `files` | yes | the other files that a scene names; without it, such a scene is an error |
 //! | `meshes` | yes | OBJ, PLY, STL and glTF files, and scenes of other programs; implies `files` |
+//! | `gems` | yes | gem designs of GemCad and Gem Cut Studio; implies `meshes` |
 //!
 //! To use the renderer without the command line, depend on it as `abbe = { version = "…",
 //! default-features = false, features = ["files"] }`.

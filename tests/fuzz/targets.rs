@@ -66,6 +66,9 @@ pub(crate) fn all() -> Vec<Target> {
         Target::new("ply", "ply", 8, vec![bytes(PLY), binary_ply()], mesh),
         Target::new("stl", "stl", 8, vec![bytes(STL), binary_stl()], mesh),
         Target::new("serialized", "serialized", 4, vec![serialized()], mesh),
+        Target::new("gem", "asc", 4, vec![bytes(GEM_ASC)], mesh),
+        Target::new("gem", "gem", 4, vec![gem()], mesh),
+        Target::new("gem", "gcs", 4, vec![bytes(GEM_GCS)], mesh),
         Target {
             beside: beside.clone(),
             ..Target::new("gltf", "gltf", 6, vec![bytes(&gltf("\"uri\": \"cube.bin\", "))], mesh)
@@ -259,6 +262,16 @@ const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 
 
 const MTL: &str = "newmtl glass\nKd 0.5 0.5 0.5\nNi 1.5\nd 0.2\nillum 7\n";
 
+const GEM_ASC: &str = "GemCad 5.0\ng 96 0.0\ny 4 y\nI 1.54\nH Step\na 90 0.5 96 24 48 72 n G\na -42 0.4 96 n P 24 48 72\n\
+                       a 30 0.35 12 n C 36 60 84 G Meet G\na 0 0.25 96 n T\nF End\n";
+
+const GEM_GCS: &str = r#"<GemCutStudio version="1000"><index gear="96" base="0" symmetry="4" mirror="0"/>
+<tier angle="90" depth="1" name="G" instructions="" visible="true" guide="false"><facet index_angle="0"/>
+<facet nx="1" ny="0" nz="0" index_angle="270"><vertex x="1" y="0" z="0"/></facet><facet index_angle="90"/>
+<facet index_angle="180"/></tier><tier angle="180" depth="0.5"><facet index_angle="0"/></tier>
+<tier angle="0" depth="0.5" frosting="0.5"><facet nx="0" ny="0" nz="1"/></tier>
+<render material="Quartz" refractive_index="1.54"><color r="1" g="1" b="1"/></render><info title="A"/></GemCutStudio>"#;
+
 const PLY: &str = "ply\nformat ascii 1.0\ncomment a pyramid\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
     element face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 
@@ -361,6 +374,22 @@ fn serialized() -> Vec<u8> {
     file.extend([0; 8]);
     file.extend(1_u32.to_le_bytes());
     file
+}
+
+/// A cube as a design of GemCad: the planes of its facets without corners, and the trailer.
+fn gem() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for (facet, [x, y, z]) in [[2, 0, 0], [-2, 0, 0], [0, 2, 0], [0, -2, 0], [0, 0, 2], [0, 0, -2]].iter().enumerate() {
+        bytes.extend([x, y, z].map(|component| f64::from(*component).to_le_bytes()).as_flattened());
+        bytes.extend((facet as i32).to_le_bytes());
+        bytes.extend(b"\x05A\tcut\0\0\0\0");
+    }
+    bytes.extend((-99_999.0_f64).to_le_bytes());
+    bytes.extend([4_i32, 1, 96].map(i32::to_le_bytes).as_flattened());
+    bytes.extend(1.54_f64.to_le_bytes());
+    bytes.extend(0x7FFF_u32.to_le_bytes());
+    bytes.extend([0; 16]);
+    bytes
 }
 
 fn binary_stl() -> Vec<u8> {

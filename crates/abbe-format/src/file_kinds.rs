@@ -24,11 +24,13 @@ type FirstBytes = &'static [(usize, &'static [u8])];
 
 /// Files of other programs: the name of the format, the extensions of their names, their first
 /// bytes, and their use.
-const KINDS: [(&str, &str, FirstBytes, Way); 49] = [
+const KINDS: [(&str, &str, FirstBytes, Way); 51] = [
     ("a Wavefront OBJ mesh", "obj", &[], Way::Mesh),
     ("a PLY mesh", "ply", &[(0, b"ply\n"), (0, b"ply\r")], Way::Mesh),
     ("an STL mesh", "stl", &[], Way::Mesh),
     ("a mesh of Mitsuba", "serialized", &[], Way::Mesh),
+    ("a gem design of GemCad", "asc gem", &[(0, b"GemCad ")], Way::Mesh),
+    ("a gem design of Gem Cut Studio", "gcs", &[(0, b"<GemCutStudio")], Way::Mesh),
     ("an IES luminaire", "ies", &[], Way::Luminaire),
     ("an EULUMDAT luminaire", "ldt", &[], Way::Luminaire),
     ("a TM-33 luminaire", "tm33", &[], Way::Luminaire),
@@ -198,6 +200,9 @@ mod tests {
         for (name, way) in [
             ("a.PLY", "\"path\": \"a.PLY\""),
             ("a.obj", "\"path\": \"a.obj\""),
+            ("a.asc", "\"path\": \"a.asc\""),
+            ("a.GEM", "a gem design of GemCad"),
+            ("a.gcs", "a gem design of Gem Cut Studio"),
             ("a.ldt", "add it to the lights"),
             ("a.blend", "export the scene as glTF and render that file"),
             ("a.usda", "export the scene as glTF and render that file"),

@@ -32,7 +32,7 @@
 //! | [`json`] | strict JSON with the position of every value, patches, the folder that a scene may read |
 //! | [`light`] | the forms of lights |
 //! | [`luminaire`] | IES LM-63, EULUMDAT and IES TM-33 files |
-//! | [`mesh`] | OBJ, PLY, STL, glTF and Mitsuba's serialized meshes (feature `meshes`) |
+//! | [`mesh`] | OBJ, PLY, STL, glTF and Mitsuba's serialized meshes (feature `meshes`), gem designs (feature `gems`) |
 //! | [`volume_file`] | volumes in `.npz` files |
 //! | [`resolve`] | the resolution of a scene file into a scene |
 //!

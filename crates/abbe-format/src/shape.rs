@@ -90,7 +90,8 @@ pub enum ShapeFile {
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit"))]
         diameter: f64,
     },
-    /// A triangle mesh from an OBJ, PLY, STL, glTF or GLB file.
+    /// A triangle mesh from an OBJ, PLY, STL, glTF or GLB file, or a gem design of GemCad (`.asc`,
+    /// `.gem`) or of Gem Cut Studio (`.gcs`).
     #[schemars(example = json!({"mesh": {"path": "bunny.ply"}}))]
     #[schemars(example = json!({"mesh": {"path": "lamp.obj", "part": 0, "reverse": true, "flat": true, "smooth": false,
         "flip_v": true}}))]
@@ -110,7 +111,8 @@ pub enum ShapeFile {
 #[serde(deny_unknown_fields)]
 #[expect(clippy::struct_excessive_bools, reason = "the keys of the scene file are independent switches")]
 pub struct MeshShapeFile {
-    /// Path of the file, relative to the scene's folder.
+    /// Path of the file, relative to the scene's folder. A gem has the width 1, the table at +y and
+    /// y = 0 at half its height.
     pub path: String,
     /// Number of one part of the file, from 0. In a glTF file, the parts are the primitives of all
     /// meshes, in the order of the file and without the transforms of the nodes. In a serialized

@@ -1,7 +1,10 @@
-//! Reads triangle meshes from OBJ, PLY, STL, glTF and Mitsuba's serialized files.
+//! Reads triangle meshes from OBJ, PLY, STL, glTF and Mitsuba's serialized files, and gem designs of
+//! GemCad and of Gem Cut Studio.
 //!
 //! Readers check their input and never panic. Errors of missing or malformed files have their name.
 
+#[cfg(feature = "gems")]
+mod gem;
 #[cfg(feature = "meshes")]
 mod gltf;
 mod material;
@@ -58,7 +61,8 @@ pub struct MeshFile {
 }
 
 /// Reads a mesh file by its extension: `.obj` (with its `.mtl`), `.ply`, `.stl`, `.serialized`,
-/// `.gltf` or `.glb`. `file_access` states which other files the file may name.
+/// `.gltf`, `.glb`, or a gem design `.asc`, `.gem` or `.gcs`. `file_access` states which other files
+/// the file may name.
 ///
 /// # Errors
 /// Returns an error with the name of the file if it is missing, has an unknown format, is truncated
@@ -97,8 +101,14 @@ fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
         "stl" => read(path).and_then(|bytes| stl::load(&bytes)),
         "serialized" => read(path).and_then(|bytes| serialized::load(&bytes)).map(PartsAndNotes::of),
         "gltf" | "glb" => gltf::load(path, file_access),
+        #[cfg(feature = "gems")]
+        "asc" | "gem" | "gcs" => gem::load(path, &extension),
+        #[cfg(not(feature = "gems"))]
+        "asc" | "gem" | "gcs" => {
+            Err(Error::input("this build cannot read gem designs").expected("the cargo feature `gems`"))
+        }
         _ => Err(Error::input(format!("unknown kind of mesh file \"{extension}\""))
-            .expected("one of .obj, .ply, .ply.gz, .stl, .serialized, .gltf, .glb")),
+            .expected("one of .obj, .ply, .ply.gz, .stl, .serialized, .gltf, .glb, .asc, .gem, .gcs")),
     }
 }
 
