@@ -285,7 +285,7 @@ fn what_a_zemax_file_asks_for_in_vain_is_named_with_its_line() {
         ("UNIT MM", "UNIT FT", &["lens.zmx:4:1", "the unit FT"]),
         ("GLAS N-SF5 0 0 1.67 32.2", "GLAS N-SF500 0 0 1.5 40", &["lens.zmx:24:1", "N-SF500", "did you mean"]),
         ("GLAS N-SF5", "GLAS MIRROR", &["lens.zmx:20:1", "a mirror in a camera lens"]),
-        ("TYPE EVENASPH", "TYPE TOROIDAL", &["lens.zmx:27:1", "TOROIDAL", "STANDARD, EVENASPH or COORDBRK"]),
+        ("TYPE EVENASPH", "TYPE GRINSUR1", &["lens.zmx:27:1", "GRINSUR1", "STANDARD, COORDBRK, EVENASPH"]),
         ("TYPE EVENASPH", "TYPE COORDBRK\n  PARM 3 5", &["lens.zmx:26:1", "a coordinate break in a camera lens"]),
         ("DISZ 2.5", "DISZ -2.5", &["lens.zmx:20:1", "surfaces[1]", "thickness of -2.5"]),
         ("DISZ 2.5", "DISZ two", &["lens.zmx:23:1", "found \"two\"", "a number"]),

@@ -54,9 +54,9 @@ pub struct ThroughFocusMtf {
 
 /// The axis of frequency ends at the first of these values in cycles/mm at which no field has more
 /// than this contrast.
-const ENDS_PER_MM: [f64; 7] = [20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0];
-const END_CONTRAST: f64 = 0.1;
-const FREQUENCY_STEPS: u32 = 100;
+pub(super) const FREQUENCY_ENDS_PER_MM: [f64; 7] = [20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0];
+pub(super) const END_CONTRAST: f64 = 0.1;
+pub(super) const FREQUENCY_STEPS: u32 = 100;
 /// The frequency through focus is the highest of the table at which the mean contrast of all fields
 /// in the best focus reaches this value.
 const FOCUS_CONTRAST: f64 = 0.3;
@@ -71,8 +71,8 @@ impl MtfCurves {
             let both = bundles.iter().flat_map(|bundle| contrasts(bundle, 0.0, per_mm));
             diffraction_limit(analysis, per_mm) * both.fold(0.0, f64::max)
         };
-        let [.., last] = ENDS_PER_MM;
-        let end = ENDS_PER_MM.into_iter().find(|end| highest(*end) <= END_CONTRAST).unwrap_or(last);
+        let [.., last] = FREQUENCY_ENDS_PER_MM;
+        let end = FREQUENCY_ENDS_PER_MM.into_iter().find(|end| highest(*end) <= END_CONTRAST).unwrap_or(last);
         let per_mm: Vec<f64> = (0..=FREQUENCY_STEPS).map(|i| end * f64::from(i) / f64::from(FREQUENCY_STEPS)).collect();
         let curve = |bundle: &FieldBundle| {
             let points = per_mm.iter().map(|per_mm| {
@@ -117,7 +117,7 @@ impl ThroughFocusMtf {
 }
 
 impl MtfCurve {
-    fn of(angle_deg: f64, points: impl Iterator<Item = [f64; 2]>) -> Self {
+    pub(super) fn of(angle_deg: f64, points: impl Iterator<Item = [f64; 2]>) -> Self {
         let (tangential, sagittal) = points.map(|[tangential, sagittal]| (tangential, sagittal)).unzip();
         Self { angle_deg, tangential, sagittal }
     }
@@ -137,7 +137,7 @@ pub(super) fn contrasts(bundle: &FieldBundle, shift_mm: f64, per_mm: f64) -> [f6
 }
 
 /// Returns the modulus of the mean of exp(−2πi f·x) over the points.
-fn contrast(points: impl Iterator<Item = DVec2>, frequency: DVec2) -> f64 {
+pub(super) fn contrast(points: impl Iterator<Item = DVec2>, frequency: DVec2) -> f64 {
     let add = |(sum, count): (DVec2, usize), point: DVec2| (sum + unit_vector(TAU * point.dot(frequency)), count + 1);
     let (sum, count) = points.fold((DVec2::ZERO, 0), add);
     sum.length() / count as f64
@@ -151,7 +151,7 @@ pub(super) fn diffraction_limit(analysis: &LensAnalysis, per_mm: f64) -> f64 {
 }
 
 /// Returns the MTF of a perfect lens at a fraction of its cutoff frequency.
-fn perfect_contrast(fraction: f64) -> f64 {
+pub(super) fn perfect_contrast(fraction: f64) -> f64 {
     if fraction >= 1.0 { 0.0 } else { 2.0 / PI * (acos(fraction) - fraction * (1.0 - fraction * fraction).sqrt()) }
 }
 

@@ -21,7 +21,10 @@ mod oslo;
 mod reader;
 mod surface;
 #[cfg(test)]
+mod surface_tests;
+#[cfg(test)]
 mod tests;
+mod types;
 mod words;
 
 use std::path::Path;
@@ -29,10 +32,10 @@ use std::path::Path;
 use super::folded::FoldedSystem;
 use super::prescription::Lens;
 use crate::glass::AgfCatalogue;
+use crate::glass::lines;
 use crate::zemax_text::decoded;
 use abbe_spectra::error::{Error, Result};
 use reader::ZmxReader;
-use surface::{SurfaceKind, ZmxSurface};
 
 /// A system that a file describes.
 #[derive(Debug, Clone)]
@@ -65,11 +68,22 @@ pub fn parse_system(bytes: &[u8], path: &Path, catalogues: &[AgfCatalogue]) -> R
 
 fn system(mut reader: ZmxReader<'_>) -> Result<ZmxSystem> {
     let object_mm = reader.take_ends()?;
-    let is_folded = |row: &ZmxSurface| row.kind != SurfaceKind::Refracting || row.thickness < 0.0;
-    if reader.rows.iter().any(is_folded) {
+    if reader.object_index.is_some() || reader.rows.iter().any(|row| row.not_in_camera().is_some()) {
         return folded::system(reader, object_mm).map(ZmxSystem::Folded);
     }
-    reader.lens(object_mm).map(ZmxSystem::Lens)
+    let unfit = match reader.clone().lens(object_mm) {
+        Ok(lens) => match lens.at(lines::D_NM).image_distance_mm(f64::INFINITY) {
+            Ok(_) => return Ok(ZmxSystem::Lens(lens)),
+            Err(error) => error,
+        },
+        Err(error) if error.location.line_column.is_some() => return Err(error),
+        Err(error) => error,
+    };
+    // A telescope, a plate or a diverging lens has no real image of a distant object.
+    let mut system = folded::system(reader, object_mm).map_err(|_| unfit.clone())?;
+    let what = format!("{}, so all figures follow from traced rays and the image plane of the file", unfit.what);
+    system.notes.push(what);
+    Ok(ZmxSystem::Folded(system))
 }
 
 fn read<'a>(bytes: &[u8], path: &Path, catalogues: &'a [AgfCatalogue]) -> Result<ZmxReader<'a>> {
