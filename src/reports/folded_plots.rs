@@ -7,6 +7,7 @@ use abbe_session::output::lens_page::{self, LensPage, PageSection, PageTable};
 use abbe_session::output::plot_grid::PlotGrid;
 use abbe_session::output::spot_figure::SpotFigure;
 use abbe_spectra::error::{Error, Result};
+use glam::DVec3;
 
 use super::folded_lens::{FoldedFieldReport, FoldedLensReport};
 use super::lens::{line_colour, line_name};
@@ -121,17 +122,15 @@ fn prescription(system: &FoldedSystem) -> PageTable {
     let header = ["surface", "x", "y", "z", "normal", "n_d", "V_d", "remarks"];
     let rows = system.surfaces.iter().enumerate().map(|(i, surface)| {
         let place = surface.frame.translation;
-        let normal = surface.frame.transform_vector3(glam::DVec3::Z).to_array().map(|cosine| number(cosine, 4));
+        let normal = surface.frame.transform_vector3(DVec3::Z).to_array().map(|cosine| number(cosine, 4));
         let mut remarks = vec![surface.describe()];
         remarks.extend((i == system.stop).then(|| "stop".to_string()));
         let glass = surface.index.as_ref().filter(|index| index.nd() != 1.0);
+        let medium = if surface.index.is_none() { "mirror" } else { "air" };
         let mut row = vec![(i + 1).to_string()];
         row.extend(place.to_array().map(|mm| number(mm, 4)));
         row.push(normal.join(" "));
-        row.push(glass.map_or("air", |_| "").to_string() + &glass.map_or(String::new(), |index| number(index.nd(), 5)));
-        if surface.index.is_none() {
-            row[5] = "mirror".to_string();
-        }
+        row.push(glass.map_or(medium.to_string(), |index| number(index.nd(), 5)));
         row.push(glass.and_then(|index| index.vd()).map_or(String::new(), |vd| number(vd, 2)));
         row.push(remarks.join("; "));
         row
@@ -154,8 +153,8 @@ fn fields(analysis: &FoldedAnalysis, report: &FoldedLensReport<'_>) -> PageTable
     PageTable { header, rows: report.fields.iter().map(row).collect() }
 }
 
-const SPOTS: &str = "Rays of a point of the object that form a square lattice in the entering bundle, where they reach \
-    the image plane of the file. Each square is centred on the centroid of the rays of all wavelengths.";
+const SPOTS: &str = "Rays of a point of the object that fill the entering bundle evenly, where they reach the image \
+    plane of the file. Each square is centred on the centroid of the rays of all wavelengths.";
 const FANS: &str = "Distance on the image plane, along y and along x, between a ray and the chief ray of the reference \
     wavelength, against the height of the ray in the entering bundle along the same axis, divided by half of the width \
     of the bundle. Blocked rays are left out.";

@@ -121,9 +121,7 @@ impl NativeLens {
 pub(super) fn lens_prescription(py: Python<'_>, name: &str, nm: Vec<f64>, glasses: Vec<PathBuf>) -> PyResult<String> {
     let prescription = || match find(name, &glasses)? {
         ZmxSystem::Lens(lens) => Ok(json(&LensPrescription::of(&lens, &nm))),
-        ZmxSystem::Folded(_) => {
-            Err(Error::input("the system has mirrors or coordinate breaks").expected("a lens with one axis"))
-        }
+        ZmxSystem::Folded(_) => Err(Error::input("the system is no camera lens").expected("a lens with one axis")),
     };
     py.detach(prescription).or_exception(py)
 }

@@ -54,9 +54,9 @@ pub struct ThroughFocusMtf {
 
 /// The axis of frequency ends at the first of these values in cycles/mm at which no field has more
 /// than this contrast.
-pub(super) const FREQUENCY_ENDS_PER_MM: [f64; 7] = [20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0];
-pub(super) const END_CONTRAST: f64 = 0.1;
-pub(super) const FREQUENCY_STEPS: u32 = 100;
+const ENDS_PER_MM: [f64; 7] = [20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0];
+const END_CONTRAST: f64 = 0.1;
+const FREQUENCY_STEPS: u32 = 100;
 /// The frequency through focus is the highest of the table at which the mean contrast of all fields
 /// in the best focus reaches this value.
 const FOCUS_CONTRAST: f64 = 0.3;
@@ -67,25 +67,33 @@ impl MtfCurves {
     /// if no light passes at one of the fields.
     pub fn of(lens: &Lens, analysis: &LensAnalysis) -> Result<Self> {
         let bundles = bundles(lens, analysis)?;
-        let highest = |per_mm: f64| {
-            let both = bundles.iter().flat_map(|bundle| contrasts(bundle, 0.0, per_mm));
-            diffraction_limit(analysis, per_mm) * both.fold(0.0, f64::max)
-        };
-        let [.., last] = FREQUENCY_ENDS_PER_MM;
-        let end = FREQUENCY_ENDS_PER_MM.into_iter().find(|end| highest(*end) <= END_CONTRAST).unwrap_or(last);
+        let fields: Vec<(f64, &FieldBundle)> = bundles.iter().map(|bundle| (bundle.angle_deg, bundle)).collect();
+        Ok(Self::with_limit(
+            &fields,
+            |bundle, per_mm| contrasts(bundle, 0.0, per_mm),
+            |per_mm| diffraction_limit(analysis, per_mm),
+        ))
+    }
+
+    /// Multiplies the tangential and the sagittal contrast of fields with an angle by a limit, both
+    /// at a frequency in cycles/mm.
+    pub(super) fn with_limit<T>(
+        fields: &[(f64, T)],
+        contrasts: impl Fn(&T, f64) -> [f64; 2],
+        limit: impl Fn(f64) -> f64,
+    ) -> Self {
+        let both = |field: &T, per_mm: f64| contrasts(field, per_mm).map(|contrast| limit(per_mm) * contrast);
+        let highest = |per_mm: f64| fields.iter().flat_map(|(_, field)| both(field, per_mm)).fold(0.0, f64::max);
+        let [.., last] = ENDS_PER_MM;
+        let end = ENDS_PER_MM.into_iter().find(|end| highest(*end) <= END_CONTRAST).unwrap_or(last);
         let per_mm: Vec<f64> = (0..=FREQUENCY_STEPS).map(|i| end * f64::from(i) / f64::from(FREQUENCY_STEPS)).collect();
-        let curve = |bundle: &FieldBundle| {
-            let points = per_mm.iter().map(|per_mm| {
-                let limit = diffraction_limit(analysis, *per_mm);
-                contrasts(bundle, 0.0, *per_mm).map(|contrast| limit * contrast)
-            });
-            MtfCurve::of(bundle.angle_deg, points)
-        };
-        Ok(Self {
-            fields: bundles.iter().map(curve).collect(),
-            diffraction_limit: per_mm.iter().map(|per_mm| diffraction_limit(analysis, *per_mm)).collect(),
+        let curve =
+            |(angle_deg, field): &(f64, T)| MtfCurve::of(*angle_deg, per_mm.iter().map(|per_mm| both(field, *per_mm)));
+        Self {
+            fields: fields.iter().map(curve).collect(),
+            diffraction_limit: per_mm.iter().map(|per_mm| limit(*per_mm)).collect(),
             per_mm,
-        })
+        }
     }
 }
 
@@ -117,7 +125,7 @@ impl ThroughFocusMtf {
 }
 
 impl MtfCurve {
-    pub(super) fn of(angle_deg: f64, points: impl Iterator<Item = [f64; 2]>) -> Self {
+    fn of(angle_deg: f64, points: impl Iterator<Item = [f64; 2]>) -> Self {
         let (tangential, sagittal) = points.map(|[tangential, sagittal]| (tangential, sagittal)).unzip();
         Self { angle_deg, tangential, sagittal }
     }

@@ -3,9 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::{Deflection, FoldedAnalysis, FoldedField, FoldedSystem, ImagePoint};
-use crate::lens::mtf::{
-    END_CONTRAST, FREQUENCY_ENDS_PER_MM, FREQUENCY_STEPS, MtfCurve, MtfCurves, contrast, perfect_contrast,
-};
+use crate::lens::mtf::{MtfCurves, contrast, perfect_contrast};
 use crate::lens::ray_fans::FanCurves;
 use crate::lens::section::DrawnRay;
 use crate::lens::spot_diagram::{LineSpot, SpotDiagram};
@@ -48,7 +46,7 @@ const FIELD_STEPS: u32 = 40;
 const THIN: f64 = 1e-3;
 
 impl FoldedSystem {
-    /// Returns the spot diagrams of an analysis, with square lattices of rays.
+    /// Returns the spot diagrams of an analysis, with a fifth of its rays as points.
     pub fn spots(&self, analysis: &FoldedAnalysis) -> Vec<SpotDiagram> {
         let nm = analysis.conditions.lines()[analysis.conditions.reference()].nm;
         let airy_mm = 1.22 * nm * 1e-6 * analysis.f_number.unwrap_or(0.0);
@@ -57,7 +55,6 @@ impl FoldedSystem {
             let count = all().count() as f64;
             let centroid = all().sum::<DVec2>() / count;
             let square = |place: DVec2| place.distance_squared(centroid);
-            // Every other ray of every other row suffices to show the shape.
             let line = |(rays, rms_mm): (&Vec<ImagePoint>, &f64)| LineSpot {
                 points_mm: rays.iter().step_by(5).map(|ray| ray.place - centroid).collect(),
                 rms_mm: *rms_mm,
@@ -109,22 +106,12 @@ impl FoldedSystem {
             let what = "a system without a focal length, or with a near object, has no f-number for its MTF";
             Error::input(what).expected("a system with a focus and a distant object")
         })?;
-        let limit = |per_mm: f64| perfect_contrast(per_mm * nm * 1e-6 * f_number);
-        let both = |field: &FoldedField, per_mm: f64| {
-            let places = || field.rays.iter().flatten().map(|ray| ray.place);
-            [DVec2::Y, DVec2::X].map(|axis| limit(per_mm) * contrast(places(), axis * per_mm))
+        let fields = analysis.fields.iter().filter(|field| field.passing > 0.0);
+        let fields: Vec<(f64, &FoldedField)> = fields.map(|field| (field.field, field)).collect();
+        let contrasts = |field: &&FoldedField, per_mm: f64| {
+            [DVec2::Y, DVec2::X].map(|axis| contrast(field.rays.iter().flatten().map(|ray| ray.place), axis * per_mm))
         };
-        let fields = || analysis.fields.iter().filter(|field| field.passing > 0.0);
-        let highest = |per_mm: f64| fields().flat_map(|field| both(field, per_mm)).fold(0.0, f64::max);
-        let [.., last] = FREQUENCY_ENDS_PER_MM;
-        let end = FREQUENCY_ENDS_PER_MM.into_iter().find(|end| highest(*end) <= END_CONTRAST).unwrap_or(last);
-        let per_mm: Vec<f64> = (0..=FREQUENCY_STEPS).map(|i| end * f64::from(i) / f64::from(FREQUENCY_STEPS)).collect();
-        let curve = |field: &FoldedField| MtfCurve::of(field.field, per_mm.iter().map(|per_mm| both(field, *per_mm)));
-        Ok(MtfCurves {
-            fields: fields().map(curve).collect(),
-            diffraction_limit: per_mm.iter().map(|per_mm| limit(*per_mm)).collect(),
-            per_mm,
-        })
+        Ok(MtfCurves::with_limit(&fields, contrasts, |per_mm| perfect_contrast(per_mm * nm * 1e-6 * f_number)))
     }
 
     /// Returns the foci against the field from one edge to the other. Returns an error for a system

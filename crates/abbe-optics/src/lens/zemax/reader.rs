@@ -71,7 +71,12 @@ impl<'a> ZmxReader<'a> {
             "NAME" if !arguments.is_empty() => self.name = arguments.join(" "),
             "UNIT" => self.unit_mm = unit_mm(arguments.first().copied().unwrap_or_default())?,
             "ENPD" => self.opening = ApertureSpec::EntrancePupil { diameter_mm: number(arguments, 0)? },
-            "FNUM" => self.opening = ApertureSpec::FNumber(number(arguments, 0)?),
+            "FNUM" => {
+                self.opening = ApertureSpec::FNumber(number(arguments, 0)?);
+                if arguments.get(1) == Some(&"1") {
+                    note(&mut self.notes, "the working f-number counts as the one for a distant object".to_string());
+                }
+            }
             "FLOA" => self.opening = ApertureSpec::Stop,
             "OBNA" => self.opening = object_cone(arguments)?,
             "FTYP" => {
@@ -116,6 +121,13 @@ impl<'a> ZmxReader<'a> {
         let mut object_mm = object.thickness * self.unit_mm;
         self.object_index = object.index;
         self.remove_idle_breaks(&mut object_mm);
+        for i in 1..self.rows.len() {
+            if self.rows[i - 1].kind == SurfaceType::CoordinateBreak && self.rows[i - 1].stop {
+                (self.rows[i - 1].stop, self.rows[i].stop) = (false, true);
+                self.notes
+                    .push("the stop lies on a coordinate break, so the surface behind it is the stop".to_string());
+            }
+        }
         if self.rows.iter().all(|row| !row.stop) {
             let first = self.rows.iter_mut().find(|row| row.kind != SurfaceType::CoordinateBreak);
             first.ok_or_else(|| Error::input("found no surface").expected("at least one"))?.stop = true;

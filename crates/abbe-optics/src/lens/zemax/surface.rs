@@ -73,7 +73,13 @@ impl ZmxSurface {
     ) -> Result<()> {
         match operand {
             "STOP" => self.stop = true,
-            "TYPE" => self.kind = SurfaceType::named(&arguments.join(" "))?,
+            "TYPE" => {
+                self.kind = SurfaceType::named(&arguments.join(" "))?;
+                if self.kind == SurfaceType::JonesMatrix {
+                    let what = format!("the Jones matrix of line {} changes no ray, and is left out", self.line);
+                    note(notes, what);
+                }
+            }
             "CURV" => self.curvature = number(arguments, 0)?,
             "CONI" => self.conic = number(arguments, 0)?,
             "DISZ" => self.thickness = number(arguments, 0)?,

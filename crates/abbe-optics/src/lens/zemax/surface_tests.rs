@@ -70,7 +70,7 @@ fn a_lens_images_a_near_object_at_twice_its_focal_length() {
 #[test]
 fn cylinders_have_power_along_one_axis() {
     let n = crate::glass::RefractiveIndex::catalogue("N-BK7").unwrap().nd();
-    let toroid = single("  TYPE TOROIDAL\n  CURV 0.02\n");
+    let toroid = single("  TYPE TOROIDAL\n  CURV 0.02\n  XDAT 1 0\n  XDAT 2 100\n");
     let biconic = single("  TYPE BICONICX\n  CURV 0\n  PARM 1 50\n");
     for (found, curved) in [(toroid, 0), (biconic, 1)] {
         assert!((found.efl_mm[curved].unwrap() - 50.0 / (n - 1.0)).abs() < 1e-5, "{:?}", found.efl_mm);
@@ -186,6 +186,8 @@ fn refusals_and_notes_state_the_true_reason() {
     assert_eq!(folded(&text).notes, ["the file has 3 configurations, of which number 2 is read"]);
     let camera = parse(text.as_bytes(), "a.zmx".as_ref(), &[]).unwrap_err().to_string();
     assert!(camera.contains("a.zmx:9:1: an ideal lens in a camera lens is not supported"), "{camera}");
+    let jones = folded(&text.replace("PARAXIAL", "JONESMAT").replace("DISZ 9", "DISZ -9"));
+    assert!(jones.notes[1].contains("the Jones matrix of line 9 changes no ray"), "{:?}", jones.notes);
     // A plate has no focus, so its figures follow from rays.
     let plate = format!(
         "{HEAD}SURF 1\n  STOP\n  DISZ 5\n  GLAS N-BK7\n  DIAM 9\nSURF 2\n  DISZ 10\n  DIAM 9\nSURF 3\n  DISZ 0\n"

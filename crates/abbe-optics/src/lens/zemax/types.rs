@@ -27,10 +27,12 @@ pub(super) enum SurfaceType {
     ParaxialXy,
     Grating,
     Binary2,
+    /// A change of the polarisation, which bends no ray.
+    JonesMatrix,
 }
 
 /// The types with their names in the file, and what they are called in errors about cameras.
-const TYPES: [(&str, SurfaceType, Option<&str>); 16] = [
+const TYPES: [(&str, SurfaceType, Option<&str>); 17] = [
     ("STANDARD", SurfaceType::Standard, None),
     ("COORDBRK", SurfaceType::CoordinateBreak, Some("a coordinate break")),
     ("EVENASPH", SurfaceType::EvenAsphere, None),
@@ -47,6 +49,7 @@ const TYPES: [(&str, SurfaceType, Option<&str>); 16] = [
     ("PARAX_XY", SurfaceType::ParaxialXy, Some("an ideal lens")),
     ("DGRATING", SurfaceType::Grating, Some("a grating")),
     ("BINARY_2", SurfaceType::Binary2, Some("a diffractive surface")),
+    ("JONESMAT", SurfaceType::JonesMatrix, None),
 ];
 
 impl SurfaceType {
@@ -95,7 +98,7 @@ impl SurfaceType {
         let plain = |shape| (shape, Deflection::None);
         let curvature = |radius: f64| if radius == 0.0 { 0.0 } else { 1.0 / (radius * unit_mm) };
         Ok(match self {
-            Self::Standard | Self::CoordinateBreak => plain(revolved(base)),
+            Self::Standard | Self::CoordinateBreak | Self::JonesMatrix => plain(revolved(base)),
             Self::EvenAsphere => plain(revolved(SurfaceProfile { even_terms: even(1, 8)?, ..base })),
             Self::ExtendedAsphere => {
                 used(0, 0)?;
@@ -119,8 +122,8 @@ impl SurfaceType {
                 freeform(base, FreeformTerms::Biconic { curvature_x_per_mm: curvature(at(1)), conic_x: at(2) })
             }
             Self::Toroid => {
-                if data.iter().any(|value| *value != 0.0) {
-                    return Err(unsupported("a toroid with Zernike terms", "a toroid without extra data"));
+                if data.first().is_some_and(|count| *count > 0.0) {
+                    return Err(unsupported("a toroid with Zernike terms", "a toroid without them (XDAT 1 of 0)"));
                 }
                 let base = SurfaceProfile { even_terms: even(2, 8)?, ..base };
                 freeform(base, FreeformTerms::Toroid { curvature_x_per_mm: curvature(at(1)) })
