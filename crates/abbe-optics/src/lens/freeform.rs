@@ -97,7 +97,7 @@ impl ZernikeTerm {
     pub fn noll(j: u32, coefficient_mm: f64) -> Self {
         let n = (0..j).find(|n| (n + 1) * (n + 2) / 2 >= j).unwrap_or(0);
         let place = j - n * (n + 1) / 2;
-        let m = if n % 2 == 0 { 2 * (place / 2) } else { 2 * ((place - 1) / 2) + 1 };
+        let m = if n.is_multiple_of(2) { 2 * (place / 2) } else { 2 * ((place - 1) / 2) + 1 };
         let norm = f64::from(if m == 0 { n + 1 } else { 2 * (n + 1) }).sqrt();
         Self { n, m, is_sine: m > 0 && j % 2 == 1, coefficient_mm: norm * coefficient_mm }
     }
@@ -109,7 +109,7 @@ impl ZernikeTerm {
         // Horner's rule in ρ², from the highest power; c is the coefficient of each.
         let factorial = |n: u32| (1..=n).map(f64::from).product::<f64>();
         let c = |s: u32| {
-            let sign = if s % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if s.is_multiple_of(2) { 1.0 } else { -1.0 };
             sign * factorial(self.n - s) / (factorial(s) * factorial((self.n + self.m) / 2 - s) * factorial(steps - s))
         };
         let radial = (0..=steps).fold(Dual::constant(0.0), |sum, s| sum * square + Dual::constant(c(s)));
