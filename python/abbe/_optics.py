@@ -135,9 +135,9 @@ class LensReport(Report):
         return native
 
     def _repr_svg_(self) -> Optional[str]:
-        # A system with mirrors is not drawn, and a copy has no plots.
+        # A copy has no plots.
         native: Optional[_native.Lens] = self._native
-        return native.plot("section") if native is not None and native.is_drawn() else None
+        return native.plot("section") if native is not None else None
 
 
 @contextmanager

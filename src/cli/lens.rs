@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use abbe_optics::lens::folded::FoldedSystem;
 use abbe_optics::lens::image_quality::FAN_PUPIL;
 use abbe_optics::lens::zemax::ZmxSystem;
 use abbe_optics::lens::{AnalysisConditions, LensAnalysis, LineFocus, Pupil, SensorFocus};
@@ -10,6 +11,7 @@ use abbe_spectra::error::{Error, Result};
 
 use super::{Outcome, folded_lens, print, values};
 use crate::reports::folded_lens::FoldedLensReport;
+use crate::reports::folded_plots;
 use crate::reports::lens::{FieldReport, LensList, LensListing, LensReport, find};
 use crate::reports::lens_page;
 use crate::reports::lens_plots::{self, LensPlot};
@@ -71,16 +73,6 @@ fn one(name: &str, arguments: &LensArgs) -> Result<()> {
         let inputs = arguments.glasses.iter().map(PathBuf::as_path).chain([Path::new(name)]);
         file::check_keeps_inputs(output.as_deref(), inputs)?;
     }
-    let lens = match find(name, &arguments.glasses)? {
-        ZmxSystem::Lens(lens) => lens,
-        ZmxSystem::Folded(system) => {
-            refuse_for_mirrors(arguments)?;
-            notes(&system.notes);
-            let report = FoldedLensReport::of(&system, arguments.field)?;
-            return if arguments.json { print::json(&report) } else { print::result(&folded_lens::text(&report)) };
-        }
-    };
-    notes(lens.notes());
     let mut conditions = AnalysisConditions::default().with_half_field(arguments.field);
     if let Some(wavelengths) = &arguments.wavelengths {
         conditions = conditions.with_wavelengths(&wavelengths.0)?;
@@ -88,6 +80,11 @@ fn one(name: &str, arguments: &LensArgs) -> Result<()> {
     if let Some(focus) = arguments.focus {
         conditions = conditions.with_focus(focus);
     }
+    let lens = match find(name, &arguments.glasses)? {
+        ZmxSystem::Lens(lens) => lens,
+        ZmxSystem::Folded(system) => return folded(&system, conditions, arguments),
+    };
+    notes(lens.notes());
     let analysis = LensAnalysis::under(&lens, conditions)?;
     if let Some(path) = &arguments.svg {
         file::write_whole(path, lens_plots::svg(arguments.plot, &lens, &analysis)?.as_bytes())?;
@@ -99,21 +96,26 @@ fn one(name: &str, arguments: &LensArgs) -> Result<()> {
     if arguments.json { print::json(&report) } else { print::result(&text(&report, &analysis)) }
 }
 
-/// Returns an error for an option that has no effect on a system with mirrors.
-fn refuse_for_mirrors(arguments: &LensArgs) -> Result<()> {
-    let LensArgs { wavelengths, focus, svg, html, .. } = arguments;
-    let given = [
-        ("--svg", svg.is_some()),
-        ("--html", html.is_some()),
-        ("--wavelengths", wavelengths.is_some()),
-        ("--focus", focus.is_some()),
-    ];
-    let Some((option, _)) = given.iter().find(|(_, given)| *given) else { return Ok(()) };
-    let what = match *option {
-        "--svg" | "--html" => "a system with mirrors or coordinate breaks cannot be drawn yet",
-        _ => "a system with mirrors or coordinate breaks is analysed in the F, d and C lines at the image of its file",
-    };
-    Err(Error::input(what).expected(format!("no {option}")))
+fn folded(system: &FoldedSystem, conditions: AnalysisConditions, arguments: &LensArgs) -> Result<()> {
+    if arguments.focus.is_some() {
+        let what = "a system with mirrors, tilts or other surfaces without a common axis is analysed at the image \
+                    plane of its file";
+        return Err(Error::input(what).expected("no --focus"));
+    }
+    notes(&system.notes);
+    let analysis = system.analysis(conditions)?;
+    if let Some(path) = &arguments.svg {
+        file::write_whole(path, folded_plots::svg(arguments.plot, system, &analysis)?.as_bytes())?;
+    }
+    if let Some(path) = &arguments.html {
+        file::write_whole(path, folded_plots::page(system, &analysis)?.as_bytes())?;
+    }
+    let report = FoldedLensReport::of(system, &analysis);
+    if arguments.json {
+        return print::json(&report);
+    }
+    let names: Vec<&str> = analysis.conditions.lines().iter().map(|line| line.name.as_ref()).collect();
+    print::result(&folded_lens::text(&report, &names))
 }
 
 fn notes(notes: &[String]) {

@@ -85,12 +85,6 @@ pub struct SpotReport {
     pub rms_mm: f64,
 }
 
-impl SpotReport {
-    pub(super) fn of_lines(rms_mm: [f64; 3]) -> Vec<Self> {
-        LINES.iter().zip(rms_mm).map(|(line, rms_mm)| Self { line: line.0.into(), rms_mm }).collect()
-    }
-}
-
 #[derive(Debug, Serialize)]
 pub struct LensList<'a> {
     /// The entries, in the order of the catalogue.
@@ -202,7 +196,7 @@ impl<'a> LensReport<'a> {
     }
 }
 
-fn spot_report(line: &AnalysisLine, rms_mm: f64) -> SpotReport {
+pub(super) fn spot_report(line: &AnalysisLine, rms_mm: f64) -> SpotReport {
     SpotReport { line: line.name.clone(), rms_mm }
 }
 
@@ -255,6 +249,7 @@ pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
         )
         .replace('-', "−"),
         glass: elements,
+        sheets: Vec::new(),
         stop,
         sensor,
         strokes: rays.into_iter().map(stroke).collect(),

@@ -64,7 +64,7 @@ impl LensPlot {
 const BLACK: &str = "#1b1b1b";
 const GREY: &str = "#888888";
 /// The colours of the fields, from the axis to the edge.
-const FIELD_COLOURS: [&str; 3] = ["#1b1b1b", "#1e8449", "#8e44ad"];
+const FIELD_COLOURS: [&str; 4] = ["#1b1b1b", "#1e8449", "#8e44ad", "#ba4a00"];
 /// The width of one plot of two in a row, and the heights of plots and of ray fans.
 const WIDTH: f64 = 520.0;
 const HEIGHT: f64 = 325.0;
@@ -119,8 +119,11 @@ fn single(legend: Vec<LegendEntry>, plot: GridPlot) -> PlotGrid {
 
 /// Returns the spot diagrams: a row per field, and a column per wavelength and for all of them.
 pub(super) fn spots(lens: &Lens, analysis: &LensAnalysis) -> Result<SpotFigure> {
-    let lines = analysis.conditions.lines();
-    let diagrams = SpotDiagram::of(lens, analysis)?;
+    Ok(spot_figure(analysis.conditions.lines(), &SpotDiagram::of(lens, analysis)?, "°"))
+}
+
+/// Draws spot diagrams of fields in a unit.
+pub(super) fn spot_figure(lines: &[AnalysisLine], diagrams: &[SpotDiagram], unit: &str) -> SpotFigure {
     let row = |spot: &SpotDiagram| {
         let points =
             |i: usize| SpotPoints { colour: line_colour(&lines[i]), points_mm: spot.lines[i].points_mm.clone() };
@@ -135,7 +138,7 @@ pub(super) fn spots(lens: &Lens, analysis: &LensAnalysis) -> Result<SpotFigure> 
         let cells = (0..lines.len()).map(one).chain((lines.len() > 1).then_some(all));
         SpotRow {
             labels: vec![
-                format!("{:.2}°", spot.angle_deg),
+                format!("{:.2}{unit}", spot.angle_deg),
                 format!("{} mm", number(spot.centroid_mm, 3)),
                 "largest radius".to_string(),
                 format!("{:.2} µm", 1e3 * spot.largest_mm),
@@ -143,18 +146,21 @@ pub(super) fn spots(lens: &Lens, analysis: &LensAnalysis) -> Result<SpotFigure> 
             cells: cells.collect(),
         }
     };
-    Ok(SpotFigure {
+    SpotFigure {
         title: String::new(),
         columns: lines.iter().map(line_name).chain((lines.len() > 1).then(|| "all".to_string())).collect(),
         circle_mm: diagrams.first().map_or(0.0, |spot| spot.airy_mm),
         rows: diagrams.iter().map(row).collect(),
-    })
+    }
 }
 
 /// Returns the ray fans: a row per field, with the tangential fan on the left.
 pub(super) fn ray_fans(lens: &Lens, analysis: &LensAnalysis) -> Result<PlotGrid> {
-    let lines = analysis.conditions.lines();
-    let fans = FanCurves::of(lens, analysis)?;
+    Ok(fan_grid(analysis.conditions.lines(), &FanCurves::of(lens, analysis)?, "°"))
+}
+
+/// Draws the ray fans of fields in a unit.
+pub(super) fn fan_grid(lines: &[AnalysisLine], fans: &[FanCurves], unit: &str) -> PlotGrid {
     let all = fans.iter().flat_map(|fan| fan.tangential_mm.iter().chain(&fan.sagittal_mm)).flatten().flatten();
     let end_um = round_above(1e3 * all.fold(1e-6_f64, |most, mm| most.max(mm.abs())));
     let plot = |fan: &FanCurves, name: &str, values: &[Vec<Option<f64>>], pupil: &str, image: &str| {
@@ -163,7 +169,7 @@ pub(super) fn ray_fans(lens: &Lens, analysis: &LensAnalysis) -> Result<PlotGrid>
             line(&line_colour(line_of), LineDash::Solid, fan.pupil.iter().copied().zip(um))
         };
         GridPlot {
-            title: format!("{:.2}°, {name}", fan.angle_deg),
+            title: format!("{:.2}{unit}, {name}", fan.angle_deg),
             across: pupil.to_string(),
             up: image.to_string(),
             across_range: PlotRange::Between(-1.0, 1.0),
@@ -180,7 +186,7 @@ pub(super) fn ray_fans(lens: &Lens, analysis: &LensAnalysis) -> Result<PlotGrid>
     };
     let plots = fans.iter().flat_map(both).collect();
     let legend = line_entries(lines);
-    Ok(PlotGrid { title: String::new(), legend, columns: 2, cell: (WIDTH, FAN_HEIGHT), plots })
+    PlotGrid { title: String::new(), legend, columns: 2, cell: (WIDTH, FAN_HEIGHT), plots }
 }
 
 /// Returns the next of some round numbers above a positive number.
@@ -206,7 +212,11 @@ fn contrast_lines(fields: &[MtfCurve], across: &[f64]) -> Vec<PlotLine> {
 
 /// Returns the MTF against spatial frequency.
 pub(super) fn mtf(lens: &Lens, analysis: &LensAnalysis) -> Result<PlotGrid> {
-    let curves = MtfCurves::of(lens, analysis)?;
+    Ok(mtf_grid(&MtfCurves::of(lens, analysis)?))
+}
+
+/// Draws the MTF of fields in degrees.
+pub(super) fn mtf_grid(curves: &MtfCurves) -> PlotGrid {
     let mut legend = field_legend(&curves.fields);
     legend.push(entry("diffraction limit", GREY, LineDash::Dotted));
     let limit = curves.per_mm.iter().copied().zip(curves.diffraction_limit.iter().copied());
@@ -220,7 +230,7 @@ pub(super) fn mtf(lens: &Lens, analysis: &LensAnalysis) -> Result<PlotGrid> {
         marks: Vec::new(),
         lines: lines.chain(contrast_lines(&curves.fields, &curves.per_mm)).collect(),
     };
-    Ok(single(legend, plot))
+    single(legend, plot)
 }
 
 /// Returns the MTF against the position of the sensor.
@@ -266,17 +276,41 @@ fn over_field(
 
 /// Returns the field curvature.
 pub(super) fn field_curvature(analysis: &LensAnalysis, curves: &FieldCurves) -> PlotGrid {
-    let lines = analysis.conditions.lines();
-    let both = |i: usize| {
-        let curve = |dash, mm: &[f64]| {
-            line(&line_colour(&lines[i]), dash, mm.iter().copied().zip(curves.angles_deg.iter().copied()))
-        };
-        [curve(LineDash::Dashed, &curves.sagittal_mm[i]), curve(LineDash::Solid, &curves.tangential_mm[i])]
+    let some = |lines: &[Vec<f64>]| -> Vec<Vec<Option<f64>>> {
+        lines.iter().map(|line| line.iter().copied().map(Some).collect()).collect()
     };
-    let foci = (0..lines.len()).flat_map(both).collect();
-    let legend = line_entries(lines).into_iter().chain(plane_entries()).collect();
-    let plot = over_field("field curvature", "focus from the sensor in mm", PlotRange::WithZero, curves, foci);
-    single(legend, plot)
+    let planes = [some(&curves.sagittal_mm), some(&curves.tangential_mm)];
+    let lines = analysis.conditions.lines();
+    foci_grid(lines, "field angle in °", &curves.angles_deg, planes.each_ref().map(Vec::as_slice))
+}
+
+/// Draws the sagittal and the tangential foci in mm of each wavelength against fields in order.
+pub(super) fn foci_grid(
+    lines: &[AnalysisLine],
+    field: &str,
+    fields: &[f64],
+    planes: [&[Vec<Option<f64>>]; 2],
+) -> PlotGrid {
+    let both = |i: usize| {
+        let curve = |(dash, plane): (LineDash, &[Vec<Option<f64>>])| {
+            let mm = plane[i].iter().map(|mm| mm.unwrap_or(f64::NAN));
+            line(&line_colour(&lines[i]), dash, mm.zip(fields.iter().copied()))
+        };
+        [LineDash::Dashed, LineDash::Solid].into_iter().zip(planes).map(curve).collect::<Vec<_>>()
+    };
+    let plot = GridPlot {
+        title: "field curvature".to_string(),
+        across: "focus from the sensor in mm".to_string(),
+        up: field.to_string(),
+        across_range: PlotRange::WithZero,
+        up_range: PlotRange::Between(
+            fields.first().copied().unwrap_or(0.0).min(0.0),
+            fields.last().copied().unwrap_or(1.0),
+        ),
+        marks: Vec::new(),
+        lines: (0..lines.len()).flat_map(both).collect(),
+    };
+    single(line_entries(lines).into_iter().chain(plane_entries()).collect(), plot)
 }
 
 /// Returns the distortion.

@@ -307,7 +307,7 @@ fn what_is_no_lens_is_answered_with_a_reason() {
         lens(&["bad.json"]).is_error(2, words);
     }
     std::fs::write(folder.path().join("bad.zmx"), "MODE NSC\n").unwrap();
-    lens(&["bad.zmx"]).is_error(2, &["bad.zmx:1:1: the mode NSC is not supported"]);
+    lens(&["bad.zmx"]).is_error(2, &["bad.zmx:1:1: a non-sequential system"]);
 }
 
 #[test]
@@ -351,10 +351,24 @@ fn a_system_with_mirrors_is_analysed_but_not_used_in_a_camera() {
     for words in ["1 of them mirrors", "focal length    100.0000 mm", "f-number        5.0000", "passing"] {
         assert!(said.contains(words), "{words}: {said}");
     }
-    for option in ["--svg", "--html", "--wavelengths=550", "--focus=best"] {
-        let words = if option.contains('=') { "at the image of its file" } else { "cannot be drawn" };
-        let value = if option.contains('=') { &[][..] } else { &["out"] };
-        abbe(folder.path(), &[&["lens", "dish.ZMX", option], value].concat()).is_error(2, &[words]);
+    let line = abbe(folder.path(), &["lens", "dish.ZMX", "--wavelengths=550", "--json"]).json();
+    assert_eq!(line["fields"][0]["spots"].as_array().unwrap().len(), 1, "{line}");
+    abbe(folder.path(), &["lens", "dish.ZMX", "--focus=best"]).is_error(2, &["at the image plane of its file"]);
+    for plot in ["section", "spots", "ray-fans", "mtf", "field-curves"] {
+        abbe(folder.path(), &["lens", "dish.ZMX", "--plot", plot, "--svg", "dish.svg", "--html", "dish.html"]);
+        let svg = std::fs::read_to_string(folder.path().join("dish.svg")).unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"), "{plot}: {svg}");
+    }
+    let page = std::fs::read_to_string(folder.path().join("dish.html")).unwrap();
+    for words in
+        ["Spot diagrams", "Ray fans", "Modulation transfer function", "Field curvature", "class=\"sheet\"", "mirror"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
+    for plot in ["lateral-colour", "illumination", "axial-colour", "through-focus"] {
+        let plotted = abbe(folder.path(), &["lens", "dish.ZMX", "--plot", plot, "--svg", "no.svg"]);
+        plotted
+            .is_error(2, &["needs a lens with an axis of symmetry", "section, spots, ray-fans, mtf or field-curves"]);
     }
     let scene = r#"{"camera": {"from": [0, 0, 0], "at": [0, 0, 1], "lens": {"system":
         {"prescription": "dish.ZMX", "focus_distance": 9, "sensor_height_mm": 24}}},

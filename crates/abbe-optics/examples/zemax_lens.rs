@@ -6,8 +6,8 @@
 //!
 //! Without an argument, the example reads `cooke_triplet.zmx` beside its source.
 
-use abbe_optics::lens::LensAnalysis;
 use abbe_optics::lens::zemax::{ZmxSystem, parse_system};
+use abbe_optics::lens::{AnalysisConditions, LensAnalysis};
 use abbe_spectra::{Error, Result};
 use std::path::PathBuf;
 
@@ -33,10 +33,11 @@ fn main() -> Result<()> {
             lens.notes().iter().for_each(|note| println!("note: {note}"));
         }
         ZmxSystem::Folded(system) => {
-            let analysis = system.analysis(None)?;
+            let analysis = system.analysis(AnalysisConditions::default())?;
+            let mm = |value: Option<f64>| value.map_or("none".to_string(), |mm| format!("{mm:.3} mm"));
             println!("{}: {} mirrors", system.name, system.mirrors());
-            println!("f = {:.3} mm along y and {:.3} mm along x", analysis.efl_mm[0], analysis.efl_mm[1]);
-            println!("back focus {:.3} mm along y", analysis.back_focus_mm[0]);
+            println!("f = {} along y and {} along x", mm(analysis.efl_mm[0]), mm(analysis.efl_mm[1]));
+            println!("back focus {} along y", mm(analysis.back_focus_mm[0]));
         }
     }
     Ok(())

@@ -7,9 +7,11 @@ use pyo3::prelude::*;
 use super::errors::OrException;
 use super::json::json;
 use abbe::reports::folded_lens::FoldedLensReport;
+use abbe::reports::folded_plots;
 use abbe::reports::lens::{LensPrescription, LensReport, find};
 use abbe::reports::lens_page;
 use abbe::reports::lens_plots::{self, LensPlot};
+use abbe_optics::lens::folded::{FoldedAnalysis, FoldedSystem};
 use abbe_optics::lens::zemax::ZmxSystem;
 use abbe_optics::lens::{AnalysisConditions, Lens, LensAnalysis, SensorFocus, catalogue};
 use abbe_spectra::error::{Error, Result};
@@ -20,8 +22,13 @@ use abbe_spectra::spectrum::BAND_NM;
 pub(super) struct NativeLens {
     /// The report of `abbe lens --json`.
     report: String,
-    /// `None` for a system with mirrors, which is not drawn.
-    drawn: Option<(Lens, LensAnalysis)>,
+    drawn: Drawn,
+}
+
+/// What the plots show.
+enum Drawn {
+    Lens(Box<(Lens, LensAnalysis)>),
+    Folded(Box<(FoldedSystem, FoldedAnalysis)>),
 }
 
 /// The conditions of an analysis.
@@ -60,16 +67,6 @@ impl LensConditions {
             None => conditions,
         })
     }
-
-    /// Returns the field for a system with mirrors, for which nothing else can be chosen.
-    fn field_only(self) -> Result<Option<f64>> {
-        if self.wavelengths.is_none() && self.focus.is_none() && !self.best_focus {
-            return Ok(self.field);
-        }
-        let what =
-            "a system with mirrors or coordinate breaks is analysed in the F, d and C lines at the image of its file";
-        Err(Error::input(what).expected("no wavelengths and no focus"))
-    }
 }
 
 #[pymethods]
@@ -80,11 +77,16 @@ impl NativeLens {
             ZmxSystem::Lens(lens) => {
                 let analysis = LensAnalysis::under(&lens, conditions.checked()?)?;
                 let report = json(&LensReport::of(&lens, &analysis)?);
-                Ok(Self { report, drawn: Some((lens, analysis)) })
+                Ok(Self { report, drawn: Drawn::Lens(Box::new((lens, analysis))) })
             }
             ZmxSystem::Folded(system) => {
-                let report = json(&FoldedLensReport::of(&system, conditions.field_only()?)?);
-                Ok(Self { report, drawn: None })
+                if conditions.focus.is_some() || conditions.best_focus {
+                    let what = "a system with mirrors or tilts is analysed at the image plane of its file";
+                    return Err(Error::input(what).expected("no focus"));
+                }
+                let analysis = system.analysis(conditions.checked()?)?;
+                let report = json(&FoldedLensReport::of(&system, &analysis));
+                Ok(Self { report, drawn: Drawn::Folded(Box::new((system, analysis))) })
             }
         };
         py.detach(analysed).or_exception(py)
@@ -95,30 +97,22 @@ impl NativeLens {
         &self.report
     }
 
-    /// Whether the lens has plots and a page.
-    fn is_drawn(&self) -> bool {
-        self.drawn.is_some()
-    }
-
     /// A plot as SVG text, by its name of `abbe lens --plot`.
     fn plot(&self, py: Python<'_>, name: &str) -> PyResult<String> {
-        let plot = || {
-            let (lens, analysis) = self.drawn()?;
-            lens_plots::svg(LensPlot::by_name(name)?, lens, analysis)
+        let plot = || match &self.drawn {
+            Drawn::Lens(drawn) => lens_plots::svg(LensPlot::by_name(name)?, &drawn.0, &drawn.1),
+            Drawn::Folded(drawn) => folded_plots::svg(LensPlot::by_name(name)?, &drawn.0, &drawn.1),
         };
         py.detach(plot).or_exception(py)
     }
 
     /// The page of `abbe lens --html`.
     fn page(&self, py: Python<'_>) -> PyResult<String> {
-        py.detach(|| self.drawn().and_then(|(lens, analysis)| lens_page::page(lens, analysis))).or_exception(py)
-    }
-}
-
-impl NativeLens {
-    fn drawn(&self) -> Result<&(Lens, LensAnalysis)> {
-        let error = || Error::input("a system with mirrors or coordinate breaks cannot be drawn yet");
-        self.drawn.as_ref().ok_or_else(error)
+        let page = || match &self.drawn {
+            Drawn::Lens(drawn) => lens_page::page(&drawn.0, &drawn.1),
+            Drawn::Folded(drawn) => folded_plots::page(&drawn.0, &drawn.1),
+        };
+        py.detach(page).or_exception(py)
     }
 }
 
@@ -127,9 +121,7 @@ impl NativeLens {
 pub(super) fn lens_prescription(py: Python<'_>, name: &str, nm: Vec<f64>, glasses: Vec<PathBuf>) -> PyResult<String> {
     let prescription = || match find(name, &glasses)? {
         ZmxSystem::Lens(lens) => Ok(json(&LensPrescription::of(&lens, &nm))),
-        ZmxSystem::Folded(_) => {
-            Err(Error::input("the system has mirrors or coordinate breaks").expected("a lens with one axis"))
-        }
+        ZmxSystem::Folded(_) => Err(Error::input("the system is no camera lens").expected("a lens with one axis")),
     };
     py.detach(prescription).or_exception(py)
 }

@@ -12,13 +12,16 @@ use super::index::RefractiveIndex;
 use abbe_spectra::error::{Error, Result};
 
 /// Names of lens files without a rule, in upper case, and the glasses that replace them.
-const SUBSTITUTES: [(&str, &str); 11] = [
+const SUBSTITUTES: [(&str, &str); 14] = [
     ("SILICA", "fused silica"),
     ("F_SILICA", "fused silica"),
     ("FUSEDSILICA", "fused silica"),
     ("FUSED_SILICA", "fused silica"),
     ("SIO2", "fused silica"),
     ("C79-80", "fused silica"),
+    ("SUPRASIL", "fused silica"),
+    ("INFRASIL", "fused silica"),
+    ("K9", "H-K9L"),
     ("ACRYLIC", "PMMA"),
     ("POLYCARB", "polycarbonate"),
     ("POLYSTYR", "polystyrene"),
@@ -26,21 +29,18 @@ const SUBSTITUTES: [(&str, &str); 11] = [
     ("LAFN21", "N-LAF21"),
 ];
 
-/// Glasses without a formula here: name, n_d and V_d of the makers.
-const MODELS: [(&str, f64, f64); 12] = [
-    ("B270", 1.52308, 58.57),
-    ("BAK5", 1.55671, 58.65),
-    ("D-ZK3M", 1.58642, 60.71),
-    ("F15", 1.60565, 37.9),
-    ("L-TIM28_MOLD", 1.68403, 30.86),
-    ("LAK33", 1.75398, 52.43),
-    ("SF3", 1.74, 28.2),
-    ("SK1", 1.61025, 56.71),
-    ("SSK4", 1.61765, 55.14),
-    ("N-FK56", 1.43425, 94.95),
-    ("N-LASF55", 1.9538, 30.56),
-    ("N-PSK58", 1.56907, 71.2),
-];
+/// Glasses without a formula here: lines of a name, n_d and V_d.
+static MODELS: LazyLock<Vec<(&str, f64, f64)>> = LazyLock::new(|| {
+    let lines = include_str!("../../data/glass/models.txt").lines().filter(|line| !line.starts_with('#'));
+    let row = |line: &'static str| {
+        let mut words = line.split(' ');
+        Some((words.next()?, words.next()?.parse().ok()?, words.next()?.parse().ok()?))
+    };
+    lines.map(|line| row(line).expect("a test parses the table")).collect()
+});
+
+/// Materials of infrared lenses, of which each name begins with one of these.
+const OPAQUE: [&str; 6] = ["GERMANIUM", "SILICON", "GAAS", "AMTIR", "IRG2", "GASIR"];
 
 static MAKERS: LazyLock<AgfCatalogue> = LazyLock::new(|| {
     let path = Path::new("refractiveindex.info, catalogues of the makers");
@@ -100,13 +100,23 @@ pub fn in_lens_file(name: &str, catalogues: &[AgfCatalogue], notes: &mut Vec<Str
             return Ok(index);
         }
     }
-    if let Some((_, nd, vd)) = MODELS.iter().find(|(model, _, _)| name.eq_ignore_ascii_case(model)) {
+    let is_model = |model: &str| {
+        // The names of LZOS in lens files may lack the prefix of this table.
+        name.eq_ignore_ascii_case(model)
+            || model.strip_prefix("LZ_").is_some_and(|lzos| name.eq_ignore_ascii_case(lzos))
+    };
+    if let Some((_, nd, vd)) = MODELS.iter().find(|(model, _, _)| is_model(model)) {
         note(format!("the glass {name} is a model of the n_d {nd} and the Abbe number {vd} of its maker"));
         return RefractiveIndex::abbe(*nd, *vd);
     }
     if let Some((nd, vd)) = glass_code(name) {
         note(format!("the glass {name} is a model of the n_d {nd} and the Abbe number {vd} of this code"));
         return RefractiveIndex::abbe(nd, vd);
+    }
+    if OPAQUE.iter().any(|opaque| name.to_uppercase().starts_with(opaque)) {
+        return Err(Error::input(format!(
+            "the material {name} is opaque in visible light, in which lenses are analysed"
+        )));
     }
     Err(unknown)
 }
@@ -182,6 +192,20 @@ mod tests {
         }
         in_lens_file("S-LAH64", &[], &mut notes).unwrap();
         assert!(notes.is_empty() && in_lens_file("NOGLASS", &[], &mut notes).is_err());
+    }
+
+    /// Values of Schott's catalogue of 1980 and of GOST 3514.
+    #[test]
+    fn old_glasses_are_models_of_their_published_values() {
+        for (name, nd, vd) in [("BaSF1", 1.62606, 39.09), ("LAK11", 1.6583, 57.26), ("LZ_K8", 1.51637, 64.05)] {
+            let mut notes = Vec::new();
+            let index = in_lens_file(name, &[], &mut notes).unwrap();
+            assert!((index.nd() - nd).abs() < 2e-5 && (index.vd().unwrap() - vd).abs() < 0.1, "{name}");
+            assert!(notes[0].contains("is a model"), "{notes:?}");
+        }
+        assert_eq!(in_lens_file("K8", &[], &mut Vec::new()), in_lens_file("LZ_K8", &[], &mut Vec::new()));
+        let opaque = in_lens_file("GERMANIUM", &[], &mut Vec::new()).unwrap_err().to_string();
+        assert!(opaque.contains("GERMANIUM is opaque in visible light"), "{opaque}");
     }
 
     /// Makers use some names, such as F2, for different glasses.

@@ -19,6 +19,7 @@ mod conditions;
 mod field;
 pub mod field_curves;
 pub mod folded;
+mod freeform;
 pub mod image_quality;
 mod losses;
 pub mod mtf;

@@ -67,25 +67,33 @@ impl MtfCurves {
     /// if no light passes at one of the fields.
     pub fn of(lens: &Lens, analysis: &LensAnalysis) -> Result<Self> {
         let bundles = bundles(lens, analysis)?;
-        let highest = |per_mm: f64| {
-            let both = bundles.iter().flat_map(|bundle| contrasts(bundle, 0.0, per_mm));
-            diffraction_limit(analysis, per_mm) * both.fold(0.0, f64::max)
-        };
+        let fields: Vec<(f64, &FieldBundle)> = bundles.iter().map(|bundle| (bundle.angle_deg, bundle)).collect();
+        Ok(Self::with_limit(
+            &fields,
+            |bundle, per_mm| contrasts(bundle, 0.0, per_mm),
+            |per_mm| diffraction_limit(analysis, per_mm),
+        ))
+    }
+
+    /// Multiplies the tangential and the sagittal contrast of fields with an angle by a limit, both
+    /// at a frequency in cycles/mm.
+    pub(super) fn with_limit<T>(
+        fields: &[(f64, T)],
+        contrasts: impl Fn(&T, f64) -> [f64; 2],
+        limit: impl Fn(f64) -> f64,
+    ) -> Self {
+        let both = |field: &T, per_mm: f64| contrasts(field, per_mm).map(|contrast| limit(per_mm) * contrast);
+        let highest = |per_mm: f64| fields.iter().flat_map(|(_, field)| both(field, per_mm)).fold(0.0, f64::max);
         let [.., last] = ENDS_PER_MM;
         let end = ENDS_PER_MM.into_iter().find(|end| highest(*end) <= END_CONTRAST).unwrap_or(last);
         let per_mm: Vec<f64> = (0..=FREQUENCY_STEPS).map(|i| end * f64::from(i) / f64::from(FREQUENCY_STEPS)).collect();
-        let curve = |bundle: &FieldBundle| {
-            let points = per_mm.iter().map(|per_mm| {
-                let limit = diffraction_limit(analysis, *per_mm);
-                contrasts(bundle, 0.0, *per_mm).map(|contrast| limit * contrast)
-            });
-            MtfCurve::of(bundle.angle_deg, points)
-        };
-        Ok(Self {
-            fields: bundles.iter().map(curve).collect(),
-            diffraction_limit: per_mm.iter().map(|per_mm| diffraction_limit(analysis, *per_mm)).collect(),
+        let curve =
+            |(angle_deg, field): &(f64, T)| MtfCurve::of(*angle_deg, per_mm.iter().map(|per_mm| both(field, *per_mm)));
+        Self {
+            fields: fields.iter().map(curve).collect(),
+            diffraction_limit: per_mm.iter().map(|per_mm| limit(*per_mm)).collect(),
             per_mm,
-        })
+        }
     }
 }
 
@@ -137,7 +145,7 @@ pub(super) fn contrasts(bundle: &FieldBundle, shift_mm: f64, per_mm: f64) -> [f6
 }
 
 /// Returns the modulus of the mean of exp(−2πi f·x) over the points.
-fn contrast(points: impl Iterator<Item = DVec2>, frequency: DVec2) -> f64 {
+pub(super) fn contrast(points: impl Iterator<Item = DVec2>, frequency: DVec2) -> f64 {
     let add = |(sum, count): (DVec2, usize), point: DVec2| (sum + unit_vector(TAU * point.dot(frequency)), count + 1);
     let (sum, count) = points.fold((DVec2::ZERO, 0), add);
     sum.length() / count as f64
@@ -151,7 +159,7 @@ pub(super) fn diffraction_limit(analysis: &LensAnalysis, per_mm: f64) -> f64 {
 }
 
 /// Returns the MTF of a perfect lens at a fraction of its cutoff frequency.
-fn perfect_contrast(fraction: f64) -> f64 {
+pub(super) fn perfect_contrast(fraction: f64) -> f64 {
     if fraction >= 1.0 { 0.0 } else { 2.0 / PI * (acos(fraction) - fraction * (1.0 - fraction * fraction).sqrt()) }
 }
 

@@ -1,6 +1,6 @@
 //! The profile of a rotationally symmetric surface: a conic with even aspheric terms.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// The direction in which light passes the lens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,7 +111,10 @@ impl SurfaceProfile {
             return conic;
         }
         let start = conic.unwrap_or_else(|| origin - direction * (origin.z / direction.z));
-        self.intersect_asphere(start, direction, travel)
+        newton(start, direction, travel, |place| {
+            let (sag_mm, slope) = self.sag_and_slope(place.length_squared());
+            (sag_mm, 2.0 * slope * place)
+        })
     }
 
     /// Intersects the line with the conic c(x² + y² + (1 + k)z²) = 2z, by a form of the quadratic
@@ -133,21 +136,34 @@ impl SurfaceProfile {
         (on_sheet && point.is_finite()).then_some(point)
     }
 
-    fn intersect_asphere(&self, start: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
-        let mut point = start;
-        for _ in 0..MAX_ASPHERE_STEPS {
-            let gradient = self.gradient(point).dot(direction);
-            let step = (point.z - self.sag_mm(point.x * point.x + point.y * point.y)) / gradient;
-            point -= direction * step;
-            if !point.is_finite() {
-                return None;
-            }
-            if step.abs() <= 1e-14 * (1.0 + point.length()) {
-                return (travel.sign() * gradient > 0.0).then_some(point);
-            }
-        }
-        None
+    /// Returns the sag in mm at a squared height in mm², and its derivative dz/d(h²) in 1/mm.
+    pub(super) fn sag_and_slope(&self, height2_mm2: f64) -> (f64, f64) {
+        (self.sag_mm(height2_mm2), self.slope(height2_mm2))
     }
+}
+
+/// Intersects a line with the surface that has this sag in mm and this slope at (x, y), by Newton's
+/// method from a point of the line. The light crosses the surface in the direction `travel`.
+pub(super) fn newton(
+    start: DVec3,
+    direction: DVec3,
+    travel: TraceDirection,
+    sag_and_slope: impl Fn(DVec2) -> (f64, DVec2),
+) -> Option<DVec3> {
+    let mut point = start;
+    for _ in 0..MAX_ASPHERE_STEPS {
+        let (sag_mm, slope) = sag_and_slope(point.truncate());
+        let gradient = (-slope).extend(1.0).dot(direction);
+        let step = (point.z - sag_mm) / gradient;
+        point -= direction * step;
+        if !point.is_finite() {
+            return None;
+        }
+        if step.abs() <= 1e-14 * (1.0 + point.length()) {
+            return (travel.sign() * gradient > 0.0).then_some(point);
+        }
+    }
+    None
 }
 
 #[cfg(test)]

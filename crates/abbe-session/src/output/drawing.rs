@@ -32,6 +32,8 @@ pub struct LensDrawing {
     pub title: String,
     pub caption: String,
     pub glass: Vec<Vec<DVec2>>,
+    /// Thin surfaces, such as mirrors.
+    pub sheets: Vec<Vec<DVec2>>,
     pub stop: [[DVec2; 2]; 2],
     pub sensor: [DVec2; 2],
     pub strokes: Vec<RayStroke>,
@@ -103,7 +105,14 @@ impl LensDrawing {
     /// Returns the lower and the upper corner of the bounding box of all points.
     fn bounds(&self) -> (DVec2, DVec2) {
         let rays = self.strokes.iter().flat_map(|stroke| &stroke.points);
-        let points = self.glass.iter().flatten().chain(rays).chain(self.stop.iter().flatten()).chain(&self.sensor);
+        let points = self
+            .glass
+            .iter()
+            .chain(&self.sheets)
+            .flatten()
+            .chain(rays)
+            .chain(self.stop.iter().flatten())
+            .chain(&self.sensor);
         let (low, high) = points
             .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), point| (low.min(*point), high.max(*point)));
         (low, high.max(low + DVec2::splat(f64::MIN_POSITIVE)))
@@ -125,6 +134,10 @@ impl LensDrawing {
             let path = scale.path(outline);
             let style = "fill=\"#cfe3f2\" fill-opacity=\"0.85\" stroke=\"#43627a\" stroke-width=\"1.2\" stroke-linejoin=\"round\"";
             svg += &format!("<path class=\"glass\" d=\"{path}Z\" {style}/>\n");
+        }
+        for sheet in &self.sheets {
+            let style = "fill=\"none\" stroke=\"#43627a\" stroke-width=\"2.5\"";
+            svg += &format!("<path class=\"sheet\" d=\"{}\" {style}/>\n", scale.path(sheet));
         }
         let axis = scale.path(&[DVec2::new(from, 0.0), DVec2::new(to, 0.0)]);
         svg += &format!("<path class=\"axis\" d=\"{axis}\" stroke=\"#888\" stroke-dasharray=\"14 4 2 4\"/>\n");
@@ -211,6 +224,7 @@ mod tests {
             title: "a <lens> & more".to_string(),
             caption: String::new(),
             glass: vec![vec![DVec2::new(0.0, -10.0), DVec2::new(0.0, 10.0), DVec2::new(5.0, 0.0)]],
+            sheets: Vec::new(),
             stop: [[DVec2::new(0.0, 10.0), DVec2::new(0.0, 12.0)], [DVec2::new(0.0, -10.0), DVec2::new(0.0, -12.0)]],
             sensor: [DVec2::new(100.0, 5.0), DVec2::new(100.0, -5.0)],
             strokes: vec![

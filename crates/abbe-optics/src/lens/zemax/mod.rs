@@ -1,17 +1,17 @@
-//! Zemax lens files (`.zmx`): sequential systems of spheres, conics and even aspheres, with media
-//! from the built-in catalogue or from `.agf` files. Sequences of CODE V (`.seq`), lens files of
+//! Zemax lens files (`.zmx`): sequential systems, with media from the built-in catalogue or from
+//! `.agf` files. Sequences of CODE V (`.seq`), lens files of
 //! OSLO (`.len`) and prescriptions of the Optical Bench of photonstophotos.net (`.txt`) become the
 //! same operands.
 //!
 //! The file is a list of operands, one per line, where those of a surface are indented under its
 //! `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`, `OBNA`, `FTYP`,
-//! `XFLN` and `YFLN`, and for surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`,
-//! `DIAM`, `CLAP`, `OBSC`, `SQAP` and `ELAP`. Operands that are known to change the rays but are
+//! `XFLN` and `YFLN`, and for surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `XDAT`, `SCBD`,
+//! `DISZ`, `GLAS`, `DIAM`, `CLAP`, `OBSC`, `SQAP` and `ELAP`. Operands that are known to change the rays but are
 //! not supported are errors, and all others are ignored. The first surface is the object, and the
 //! last one the sensor.
 //!
-//! A system with mirrors or coordinate breaks becomes a [`FoldedSystem`], which can be analysed but
-//! not used in a camera.
+//! A system that is no camera lens, for example with mirrors or tilts, becomes a [`FoldedSystem`],
+//! which can be analysed but not used in a camera.
 
 mod codev;
 mod folded;
@@ -21,7 +21,10 @@ mod oslo;
 mod reader;
 mod surface;
 #[cfg(test)]
+mod surface_tests;
+#[cfg(test)]
 mod tests;
+mod types;
 mod words;
 
 use std::path::Path;
@@ -29,17 +32,17 @@ use std::path::Path;
 use super::folded::FoldedSystem;
 use super::prescription::Lens;
 use crate::glass::AgfCatalogue;
+use crate::glass::lines;
 use crate::zemax_text::decoded;
 use abbe_spectra::error::{Error, Result};
 use reader::ZmxReader;
-use surface::{SurfaceKind, ZmxSurface};
 
 /// A system that a file describes.
 #[derive(Debug, Clone)]
 pub enum ZmxSystem {
-    /// A lens without mirrors.
+    /// A lens for cameras.
     Lens(Lens),
-    /// A system with mirrors or coordinate breaks.
+    /// A system that is no camera lens.
     Folded(FoldedSystem),
 }
 
@@ -52,12 +55,12 @@ pub const EXTENSIONS: [&str; 4] = ["zmx", "seq", "len", "txt"];
 /// [`in_lens_file`](crate::glass::makers::in_lens_file) does.
 ///
 /// Returns an error with `path` and the line number if an operand is not supported, a glass is
-/// unknown, the surfaces form no valid lens, or the system has mirrors or coordinate breaks.
+/// unknown, the surfaces form no valid lens, or the system is no camera lens.
 pub fn parse(bytes: &[u8], path: &Path, catalogues: &[AgfCatalogue]) -> Result<Lens> {
     read(bytes, path, catalogues)?.unfolded().map_err(|error| error.in_file(path))
 }
 
-/// Parses a system with or without mirrors, like [`parse`]. Returns an error if an operand is not
+/// Parses a system of any kind, like [`parse`]. Returns an error if an operand is not
 /// supported, a glass is unknown, or the surfaces form no valid system.
 pub fn parse_system(bytes: &[u8], path: &Path, catalogues: &[AgfCatalogue]) -> Result<ZmxSystem> {
     system(read(bytes, path, catalogues)?).map_err(|error| error.in_file(path))
@@ -65,11 +68,22 @@ pub fn parse_system(bytes: &[u8], path: &Path, catalogues: &[AgfCatalogue]) -> R
 
 fn system(mut reader: ZmxReader<'_>) -> Result<ZmxSystem> {
     let object_mm = reader.take_ends()?;
-    let is_folded = |row: &ZmxSurface| row.kind != SurfaceKind::Refracting || row.thickness < 0.0;
-    if reader.rows.iter().any(is_folded) {
+    if reader.object_index.is_some() || reader.rows.iter().any(|row| row.not_in_camera().is_some()) {
         return folded::system(reader, object_mm).map(ZmxSystem::Folded);
     }
-    reader.lens(object_mm).map(ZmxSystem::Lens)
+    let unfit = match reader.clone().lens(object_mm) {
+        Ok(lens) => match lens.at(lines::D_NM).image_distance_mm(f64::INFINITY) {
+            Ok(_) => return Ok(ZmxSystem::Lens(lens)),
+            Err(error) => error,
+        },
+        Err(error) if error.location.line_column.is_some() => return Err(error),
+        Err(error) => error,
+    };
+    // A telescope, a plate or a diverging lens has no real image of a distant object.
+    let mut system = folded::system(reader, object_mm).map_err(|_| unfit.clone())?;
+    let what = format!("{}, so all figures follow from traced rays and the image plane of the file", unfit.what);
+    system.notes.push(what);
+    Ok(ZmxSystem::Folded(system))
 }
 
 fn read<'a>(bytes: &[u8], path: &Path, catalogues: &'a [AgfCatalogue]) -> Result<ZmxReader<'a>> {

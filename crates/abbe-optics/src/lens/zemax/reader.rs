@@ -1,10 +1,10 @@
 //! The operands of a file, and the lens that they describe.
 
-use super::surface::{SurfaceKind, ZmxSurface};
+use super::surface::{ZmxSurface, note};
+use super::types::SurfaceType;
 use super::words::{number, parsed, unsupported};
-use crate::glass::AgfCatalogue;
+use crate::glass::{AgfCatalogue, RefractiveIndex};
 use crate::lens::prescription::{ApertureSpec, Lens, Prescription};
-use crate::lens::profile::SurfaceProfile;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::{hypot, sin};
 
@@ -18,6 +18,7 @@ pub(super) enum FieldKind {
     ImageHeight,
 }
 
+#[derive(Clone)]
 pub(super) struct ZmxReader<'a> {
     catalogues: &'a [AgfCatalogue],
     pub(super) name: String,
@@ -30,6 +31,8 @@ pub(super) struct ZmxReader<'a> {
     field_x: Vec<f64>,
     field_y: Vec<f64>,
     pub(super) rows: Vec<ZmxSurface>,
+    /// The medium in front of the first surface, if it is not air.
+    pub(super) object_index: Option<RefractiveIndex>,
     pub(super) notes: Vec<String>,
 }
 
@@ -45,6 +48,7 @@ impl<'a> ZmxReader<'a> {
             field_x: Vec::new(),
             field_y: Vec::new(),
             rows: Vec::new(),
+            object_index: None,
             notes: Vec::new(),
         }
     }
@@ -52,13 +56,27 @@ impl<'a> ZmxReader<'a> {
     pub(super) fn read(&mut self, operand: &str, arguments: &[&str], line: usize) -> Result<()> {
         let numbers = || arguments.iter().map(|word| parsed(word)).collect::<Result<Vec<f64>>>();
         match operand {
+            "MODE" if arguments.first() == Some(&"NSC") => {
+                let what = "a non-sequential system, whose objects light meets in any order,";
+                return Err(unsupported(what, "a sequential system (MODE SEQ)"));
+            }
             "MODE" if arguments.first() != Some(&"SEQ") => {
                 return Err(unsupported(&format!("the mode {}", arguments.join(" ")), "a sequential system"));
+            }
+            "MNUM" if number(arguments, 0)? > 1.0 => {
+                let current = arguments.get(1).copied().unwrap_or("1");
+                let what = format!("the file has {} configurations, of which number {current} is read", arguments[0]);
+                note(&mut self.notes, what);
             }
             "NAME" if !arguments.is_empty() => self.name = arguments.join(" "),
             "UNIT" => self.unit_mm = unit_mm(arguments.first().copied().unwrap_or_default())?,
             "ENPD" => self.opening = ApertureSpec::EntrancePupil { diameter_mm: number(arguments, 0)? },
-            "FNUM" => self.opening = ApertureSpec::FNumber(number(arguments, 0)?),
+            "FNUM" => {
+                self.opening = ApertureSpec::FNumber(number(arguments, 0)?);
+                if arguments.get(1) == Some(&"1") {
+                    note(&mut self.notes, "the working f-number counts as the one for a distant object".to_string());
+                }
+            }
             "FLOA" => self.opening = ApertureSpec::Stop,
             "OBNA" => self.opening = object_cone(arguments)?,
             "FTYP" => {
@@ -96,13 +114,22 @@ impl<'a> ZmxReader<'a> {
             let what = format!("found {} surfaces", self.rows.len());
             return Err(Error::input(what).expected("an object, at least one surface, and an image"));
         };
-        if sensor.profile != SurfaceProfile::default() {
+        if sensor.is_curved() {
             self.notes.push("the image surface is curved; a plane sensor at its vertex replaces it".to_string());
         }
-        let mut object_mm = self.rows.remove(0).thickness * self.unit_mm;
+        let object = self.rows.remove(0);
+        let mut object_mm = object.thickness * self.unit_mm;
+        self.object_index = object.index;
         self.remove_idle_breaks(&mut object_mm);
+        for i in 1..self.rows.len() {
+            if self.rows[i - 1].kind == SurfaceType::CoordinateBreak && self.rows[i - 1].stop {
+                (self.rows[i - 1].stop, self.rows[i].stop) = (false, true);
+                self.notes
+                    .push("the stop lies on a coordinate break, so the surface behind it is the stop".to_string());
+            }
+        }
         if self.rows.iter().all(|row| !row.stop) {
-            let first = self.rows.iter_mut().find(|row| row.kind != SurfaceKind::CoordinateBreak);
+            let first = self.rows.iter_mut().find(|row| row.kind != SurfaceType::CoordinateBreak);
             first.ok_or_else(|| Error::input("found no surface").expected("at least one"))?.stop = true;
             self.notes.push("the lens file marks no aperture stop, so the first surface is the stop".to_string());
         }
@@ -134,13 +161,10 @@ impl<'a> ZmxReader<'a> {
 
     pub(super) fn unfolded(mut self) -> Result<Lens> {
         let object_mm = self.take_ends()?;
-        for row in &self.rows {
-            let what = match row.kind {
-                SurfaceKind::Refracting => continue,
-                SurfaceKind::Mirror => "a mirror in a camera lens",
-                SurfaceKind::CoordinateBreak => "a coordinate break in a camera lens",
-            };
-            return Err(unsupported(what, "refracting surfaces on one axis").at(row.line, 1));
+        let unfit = self.rows.iter().find_map(|row| Some((row.line, row.not_in_camera()?)));
+        if let Some((line, what)) = unfit {
+            let what = format!("{what} in a camera lens");
+            return Err(unsupported(&what, "refracting surfaces of revolution on one axis").at(line, 1));
         }
         self.lens(object_mm)
     }
@@ -157,6 +181,9 @@ impl<'a> ZmxReader<'a> {
     }
 
     pub(super) fn lens(self, object_mm: f64) -> Result<Lens> {
+        if self.object_index.is_some() {
+            return Err(unsupported("an object in glass in front of a camera lens", "an object in air"));
+        }
         let lines: Vec<usize> = self.rows.iter().map(|row| row.line).collect();
         let surfaces = self.rows.iter().map(|row| row.surface(self.unit_mm)).collect::<Result<_>>()?;
         let stop = self.rows.iter().position(|row| row.stop);

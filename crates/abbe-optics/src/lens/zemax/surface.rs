@@ -1,8 +1,10 @@
 //! The surfaces of a Zemax file: their operands, glasses and apertures.
 
+use super::types::SurfaceType;
 use super::words::{number, unsupported};
 use crate::glass::makers::{in_lens_file, model_glass};
 use crate::glass::{AgfCatalogue, RefractiveIndex};
+use crate::lens::folded::{Deflection, FoldedShape};
 use crate::lens::prescription::{LensSurface, medium};
 use crate::lens::profile::SurfaceProfile;
 use abbe_spectra::error::{Error, Result};
@@ -11,22 +13,14 @@ use abbe_spectra::math::elementary::hypot;
 const GLASSES: &str =
     "a glass of the built-in catalogue or of its makers, or of an .agf catalogue that is read with the lens";
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum SurfaceKind {
-    /// Refraction, or nothing if the media on both sides are equal.
-    Refracting,
-    /// Reflection.
-    Mirror,
-    /// A shift and a rotation of the axes for the surfaces behind it.
-    CoordinateBreak,
-}
-
 /// A surface during parsing, with lengths in the unit of the file.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct ZmxSurface {
     pub(super) line: usize,
-    pub(super) kind: SurfaceKind,
-    pub(super) profile: SurfaceProfile,
+    pub(super) kind: SurfaceType,
+    pub(super) is_mirror: bool,
+    curvature: f64,
+    conic: f64,
     pub(super) thickness: f64,
     /// The medium behind the surface. `None` is air, and for a mirror the medium in front of it.
     pub(super) index: Option<RefractiveIndex>,
@@ -39,17 +33,23 @@ pub(super) struct ZmxSurface {
     /// True if `clear` and `obscuration` are not centred, so that they are ignored.
     decentred: bool,
     pub(super) stop: bool,
-    aspheric: bool,
-    /// The parameters 1 to 6 of a coordinate break: decentres, tilts in degrees, and the order.
-    pub(super) parameters: [f64; 6],
+    /// The parameters from 0, and the extra data from 1.
+    parameters: Vec<f64>,
+    data: Vec<f64>,
+    /// The coordinate breaks in front of the surface and behind it, as of [`coordinate_break`].
+    ///
+    /// [`coordinate_break`]: super::folded
+    pub(super) breaks: [[f64; 6]; 2],
 }
 
 impl ZmxSurface {
     pub(super) fn new(line: usize) -> Self {
         Self {
             line,
-            kind: SurfaceKind::Refracting,
-            profile: SurfaceProfile::default(),
+            kind: SurfaceType::Standard,
+            is_mirror: false,
+            curvature: 0.0,
+            conic: 0.0,
             thickness: 0.0,
             index: None,
             semi_aperture: 0.0,
@@ -57,8 +57,9 @@ impl ZmxSurface {
             obscuration: 0.0,
             decentred: false,
             stop: false,
-            aspheric: false,
-            parameters: [0.0; 6],
+            parameters: Vec::new(),
+            data: Vec::new(),
+            breaks: [[0.0; 6]; 2],
         }
     }
 
@@ -72,28 +73,22 @@ impl ZmxSurface {
     ) -> Result<()> {
         match operand {
             "STOP" => self.stop = true,
-            "TYPE" => match arguments.first() {
-                Some(&"STANDARD") => {}
-                Some(&"EVENASPH") => self.aspheric = true,
-                Some(&"COORDBRK") => self.kind = SurfaceKind::CoordinateBreak,
-                _ => {
-                    let what = format!("a surface of type {}", arguments.join(" "));
-                    return Err(unsupported(&what, "STANDARD, EVENASPH or COORDBRK"));
-                }
-            },
-            "CURV" => self.profile.curvature_per_mm = number(arguments, 0)?,
-            "CONI" => self.profile.conic = number(arguments, 0)?,
-            "DISZ" => self.thickness = number(arguments, 0)?,
-            "DIAM" => self.semi_aperture = number(arguments, 0)?.max(0.0),
-            "GLAS" if arguments.first() == Some(&"MIRROR") => self.kind = SurfaceKind::Mirror,
-            "GLAS" => self.index = Some(glass(arguments, catalogues, notes)?),
-            "PARM" if self.kind == SurfaceKind::CoordinateBreak => {
-                let place = number(arguments, 0)? - 1.0;
-                if let Some(parameter) = self.parameters.get_mut(place as usize) {
-                    *parameter = number(arguments, 1)?;
+            "TYPE" => {
+                self.kind = SurfaceType::named(&arguments.join(" "))?;
+                if self.kind == SurfaceType::JonesMatrix {
+                    let what = format!("the Jones matrix of line {} changes no ray, and is left out", self.line);
+                    note(notes, what);
                 }
             }
-            "PARM" if self.aspheric => self.read_term(number(arguments, 0)?, number(arguments, 1)?)?,
+            "CURV" => self.curvature = number(arguments, 0)?,
+            "CONI" => self.conic = number(arguments, 0)?,
+            "DISZ" => self.thickness = number(arguments, 0)?,
+            "DIAM" => self.semi_aperture = number(arguments, 0)?.max(0.0),
+            "GLAS" if arguments.first() == Some(&"MIRROR") => self.is_mirror = true,
+            "GLAS" => self.index = Some(glass(arguments, catalogues, notes)?),
+            "PARM" => place(&mut self.parameters, number(arguments, 0)?, number(arguments, 1)?)?,
+            "XDAT" => place(&mut self.data, number(arguments, 0)? - 1.0, number(arguments, 1)?)?,
+            "SCBD" => self.read_tilt(arguments)?,
             "CLAP" => {
                 self.obscuration = self.obscuration.max(number(arguments, 0)?);
                 self.clear = Some(number(arguments, 1)?);
@@ -117,17 +112,15 @@ impl ZmxSurface {
         Ok(())
     }
 
-    fn read_term(&mut self, order: f64, value: f64) -> Result<()> {
-        if value == 0.0 {
-            return Ok(());
+    /// Reads the tilt of one surface: in front of it (1) or behind it (2), the order, a mark of how
+    /// the program found the values, and the values, those of a coordinate break.
+    fn read_tilt(&mut self, arguments: &[&str]) -> Result<()> {
+        let Some(axes) = self.breaks.get_mut(number(arguments, 0)? as usize - 1) else {
+            return Err(unsupported(&format!("the tilt SCBD {}", arguments.join(" ")), "1 or 2"));
+        };
+        for (value, i) in axes.iter_mut().zip([3, 4, 5, 6, 7, 1]) {
+            *value = number(arguments, i)?;
         }
-        if order.fract() != 0.0 || !(1.0..=8.0).contains(&order) {
-            return Err(unsupported(&format!("parameter {order} of an even asphere"), "1 to 8"));
-        }
-        let mut terms = std::mem::take(&mut self.profile.even_terms).into_vec();
-        terms.resize(terms.len().max(order as usize), 0.0);
-        terms[order as usize - 1] = value;
-        self.profile.even_terms = terms.into();
         Ok(())
     }
 
@@ -136,9 +129,33 @@ impl ZmxSurface {
         self.blocking().0.or(Some(self.semi_aperture)).filter(|radius| *radius > 0.0)
     }
 
+    /// Returns the parameters 1 to 6 of a coordinate break: decentres, tilts in degrees, and the
+    /// order.
+    pub(super) fn coordinates(&self) -> [f64; 6] {
+        std::array::from_fn(|i| self.parameters.get(i + 1).copied().unwrap_or(0.0))
+    }
+
     /// Returns true if the surface is a coordinate break that changes no axes.
     pub(super) fn is_idle_break(&self) -> bool {
-        self.kind == SurfaceKind::CoordinateBreak && self.parameters[..5] == [0.0; 5]
+        self.kind == SurfaceType::CoordinateBreak && self.coordinates()[..5] == [0.0; 5]
+    }
+
+    /// Returns what makes a system of this surface unfit for a camera, if anything does.
+    pub(super) fn not_in_camera(&self) -> Option<&'static str> {
+        if self.is_mirror {
+            Some("a mirror")
+        } else if self.breaks.iter().any(|axes| axes[..5] != [0.0; 5]) {
+            Some("a tilted surface")
+        } else if self.thickness < 0.0 {
+            Some("a negative thickness")
+        } else {
+            self.kind.not_in_camera()
+        }
+    }
+
+    /// Returns true if the surface is not a plane.
+    pub(super) fn is_curved(&self) -> bool {
+        self.curvature != 0.0 || self.parameters.iter().chain(&self.data).any(|value| *value != 0.0)
     }
 
     /// Returns the radii of a circular aperture and of the obscuration, in the file's unit.
@@ -146,14 +163,12 @@ impl ZmxSurface {
         if self.decentred { (None, 0.0) } else { (self.clear.filter(|radius| *radius > 0.0), self.obscuration) }
     }
 
-    pub(super) fn profile_mm(&self, unit_mm: f64) -> SurfaceProfile {
-        let SurfaceProfile { curvature_per_mm, conic, even_terms } = &self.profile;
-        let scaled = |(i, term): (usize, &f64)| term * unit_mm.powi(1 - 2 * (i as i32 + 1));
-        SurfaceProfile {
-            curvature_per_mm: curvature_per_mm / unit_mm,
-            conic: *conic,
-            even_terms: even_terms.iter().enumerate().map(scaled).collect(),
-        }
+    /// Returns the shape in mm and the deflection. Returns an error if a parameter is not supported.
+    pub(super) fn shape(&self, unit_mm: f64) -> Result<(FoldedShape, Deflection)> {
+        let base =
+            SurfaceProfile { curvature_per_mm: self.curvature / unit_mm, conic: self.conic, even_terms: [].into() };
+        let shape = self.kind.shape(base, &self.parameters, &self.data, unit_mm);
+        shape.map_err(|error| error.at(self.line, 1))
     }
 
     /// Converts the surface to mm, with a semi-aperture of 0 if the file lacks it.
@@ -161,8 +176,11 @@ impl ZmxSurface {
         if !self.thickness.is_finite() {
             return Err(Error::input("found an infinite thickness").at(self.line, 1));
         }
+        let (FoldedShape::Revolved(profile), Deflection::None) = self.shape(unit_mm)? else {
+            return Err(unsupported("this surface in a camera lens", "a surface of revolution").at(self.line, 1));
+        };
         Ok(LensSurface {
-            profile: self.profile_mm(unit_mm),
+            profile,
             thickness_mm: self.thickness * unit_mm,
             index: self.index.clone().map_or_else(|| medium("air"), Ok)?,
             semi_aperture_mm: self.aperture().unwrap_or(0.0) * unit_mm,
@@ -207,8 +225,20 @@ fn glass(arguments: &[&str], catalogues: &[AgfCatalogue], notes: &mut Vec<String
     }
 }
 
+/// Stores a value of a list, in which the others are 0.
+fn place(values: &mut Vec<f64>, at: f64, value: f64) -> Result<()> {
+    /// More than any type of surface has.
+    const LONGEST: f64 = 1000.0;
+    if at.fract() != 0.0 || !(0.0..LONGEST).contains(&at) {
+        return Err(unsupported(&format!("the parameter {at}"), &format!("a number from 0 to {LONGEST}")));
+    }
+    values.resize(values.len().max(at as usize + 1), 0.0);
+    values[at as usize] = value;
+    Ok(())
+}
+
 /// Adds a remark that is not there yet.
-fn note(notes: &mut Vec<String>, note: String) {
+pub(super) fn note(notes: &mut Vec<String>, note: String) {
     if !notes.contains(&note) {
         notes.push(note);
     }
