@@ -121,7 +121,8 @@ fn meshed(solid: &Polyhedron) -> Result<TriangleMesh> {
 fn check_stated(facets: &[Facet], tolerance: f64) -> Result<()> {
     for (number, facet) in facets.iter().enumerate() {
         for &corner in &facet.stated {
-            if !(facet.plane.height(corner).abs() <= tolerance) {
+            let height = facet.plane.height(corner).abs();
+            if height.is_nan() || height > tolerance {
                 let found = format!("the corners of {} do not lie in the plane of this facet", facet.name);
                 return Err(Error::input(found).expected("flat facets"));
             }
