@@ -352,7 +352,7 @@ mod tests {
     fn wrong_bytes_are_refused() {
         let mut engine = engine();
         assert!(engine.show(1, 1.0).is_err());
-        let mut render = |index, of, passes| {
+        let render = |index, of, passes| {
             taken(engine.render(PassPart::new(index, of).unwrap(), passes, 0, None, &mut |_| true).unwrap())
         };
         let (pieces, even) = (render(0, 1, 1), render(0, 2, 1));

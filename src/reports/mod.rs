@@ -7,6 +7,7 @@ pub mod colour;
 pub mod crystal;
 pub mod film;
 pub mod folded_lens;
+#[cfg(feature = "pages")]
 pub mod folded_plots;
 pub mod glass;
 pub mod grating;

@@ -215,7 +215,7 @@ impl Monitor for Watching {
         true
     }
 
-    fn checkpoint(&mut self, run: &Run) {
+    fn checkpoint(&mut self, run: &mut Run) {
         let error = || run.typical_error().expect("a picture that is lit");
         if run.passes() == TO {
             self.came = Some(error());

@@ -330,7 +330,7 @@ impl Monitor for Errors {
         true
     }
 
-    fn checkpoint(&mut self, run: &Run) {
+    fn checkpoint(&mut self, run: &mut Run) {
         if run.passes().is_multiple_of(8) {
             self.0.extend(run.typical_error());
         }
