@@ -285,35 +285,35 @@ mod tests {
     fn the_sum_of_parts_is_the_render_of_all_passes() {
         let (mut engine, worker) = (engine(), engine());
         for part in [0, 1].map(|index| PassPart::new(index, 2).unwrap()) {
-            // The render is interrupted after the first pass, and continues.
-            let first = worker.render(part, 6, 0, None, &mut |run| run.passes() < 1).unwrap();
+            // The render is interrupted after the first pass, so it ends with the second one.
+            let first = worker.render(part, 8, 0, None, &mut |run| run.passes() < 1).unwrap();
             engine.add(taken(first)).unwrap();
-            assert_eq!(engine.done(part), 1);
-            let last = worker.render(part, 6, 1, None, &mut |run| {
+            assert_eq!(engine.done(part), 2);
+            let last = worker.render(part, 8, 2, None, &mut |run| {
                 run.take_passes(&mut |_| {});
                 true
             });
-            assert!(engine.add(taken(last.unwrap())).is_err(), "the second pass is missing");
+            assert!(engine.add(taken(last.unwrap())).is_err(), "the third pass is missing");
             let send = &mut |run: &mut Run| {
                 let mut pieces = Vec::new();
                 run.take_passes(&mut |piece| pieces.push(piece.to_vec()));
                 engine.add(pieces).is_ok()
             };
-            let last = worker.render(part, 6, 1, None, send).unwrap();
+            let last = worker.render(part, 8, 2, None, send).unwrap();
             engine.add(taken(last)).unwrap();
         }
         let job = &engine.loaded().unwrap().job;
         let sum = engine.run().unwrap();
         let request =
-            Request { integrator: Integrator::Photon, stop: StopRules { passes: Some(6), ..StopRules::default() } };
+            Request { integrator: Integrator::Photon, stop: StopRules { passes: Some(8), ..StopRules::default() } };
         let whole = job.render(request, &mut NoMonitor).unwrap().run;
         assert_eq!(sum.hash_of_sums(), whole.hash_of_sums());
-        assert_eq!((sum.passes(), sum.typical_error()), (6, whole.typical_error()));
-        engine.show(6, 2.0).unwrap();
+        assert_eq!((sum.passes(), sum.typical_error()), (8, whole.typical_error()));
+        engine.show(8, 2.0).unwrap();
         let state = engine.state(7);
         assert_eq!(
             (&state["version"], &state["passes"], &state["session"]),
-            (&7.into(), &6.into(), &"finished".into())
+            (&7.into(), &8.into(), &"finished".into())
         );
         assert_eq!(engine.answer("picture", "").unwrap().plane, Some([1, 32, 18]));
         assert!(engine.answer("save.exr", "").unwrap().body.len() > 1000);

@@ -11,20 +11,22 @@
 //! the sky. [`oriented`](super::oriented) holds crystals that prefer an orientation.
 
 use super::mie::lognormal;
-use super::packed_table;
-use super::table::PhaseTable;
+use super::table::{self, PhaseTable};
 use crate::aperture::fraunhofer;
 use abbe_spectra::math::elementary::sin;
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, OnceLock};
 
-pub(super) const PACKED: &str = include_str!(concat!(env!("OUT_DIR"), "/ice"));
-
 /// Returns the phase function of ice crystals.
 pub fn ice() -> Arc<PhaseTable> {
     static TABLE: OnceLock<Arc<PhaseTable>> = OnceLock::new();
-    TABLE.get_or_init(|| Arc::new(packed_table::parse(PACKED).expect("the built-in table is valid"))).clone()
+    TABLE
+        .get_or_init(|| {
+            let table = table::parse(include_str!("../../data/media/ice.csv")).expect("the built-in table is valid");
+            Arc::new(table)
+        })
+        .clone()
 }
 
 /// The angles of the table in degrees, densest in the forward peak and at the inner edges of the

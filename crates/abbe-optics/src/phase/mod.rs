@@ -11,7 +11,6 @@ mod ice;
 pub mod mie;
 mod mixture;
 mod oriented;
-mod packed_table;
 mod rainbow;
 mod rayleigh;
 mod table;

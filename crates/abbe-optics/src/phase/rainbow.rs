@@ -6,21 +6,19 @@
 //! they lie between 0.16 and 1 mm. The table is for parallel light. A light with the angular size
 //! of the sun blurs the rendered bows as in the sky.
 
-use super::packed_table;
-use super::table::{PhaseTable, Spheres};
+use super::table::{self, PhaseTable, Spheres};
 use crate::glass::RefractiveIndex;
 use abbe_spectra::math::elementary::{asin, exp};
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, OnceLock};
-
-pub(super) const PACKED: &str = include_str!(concat!(env!("OUT_DIR"), "/rainbow"));
 
 /// Returns the phase function of rain.
 pub fn rainbow() -> Arc<PhaseTable> {
     static TABLE: OnceLock<Arc<PhaseTable>> = OnceLock::new();
     TABLE
         .get_or_init(|| {
-            let table = packed_table::parse(PACKED).expect("the built-in table is valid");
+            let table =
+                table::parse(include_str!("../../data/media/rainbow.csv")).expect("the built-in table is valid");
             Arc::new(table.of_spheres(Spheres::Rain))
         })
         .clone()

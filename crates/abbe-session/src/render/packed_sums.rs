@@ -84,7 +84,7 @@ mod tests {
     fn sums_return_from_their_bytes() {
         let mut bits = vec![0, 0, 1, -1, 127, 128, -128, -129, 255, 256, -256, 0, i128::MAX, i128::MIN, i128::MAX - 1];
         bits.extend((0..128).flat_map(|place| [1 << place, -1 << place, 3 << place, (1 << place) - 1, -5 << place]));
-        bits.extend([0; 70_000]);
+        bits.extend(std::iter::repeat_n(0, 70_000));
         let sums: Vec<i128> = unpack(&packed(&bits), bits.len()).unwrap().iter().map(|sum| sum.bits()).collect();
         assert_eq!(sums, bits);
     }
