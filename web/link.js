@@ -3,7 +3,8 @@
 
 /// The number of rendering workers.
 const RENDERERS = Math.max(1, Math.min(8, navigator.hardwareConcurrency ?? 2));
-/// Each renderer sends its sums at most once in this time in milliseconds per renderer.
+/// Each renderer sends its sums at most once in this time in milliseconds per renderer, and later
+/// less often.
 const SUMS_PAUSE = 200;
 /// The time from one picture to the next, divided by the time that a picture takes.
 const SHOW_PAUSE = 5;

@@ -4,7 +4,7 @@
 const examples = JSON.parse(embedded("abbe-examples"));
 /// The number of pixels of a picture, and that of its spectral bands. Both decide the memory of each
 /// worker.
-const PIXELS = 320 * 180, BANDS = 24;
+const PIXELS = 320 * 180, BANDS = 20;
 
 /// Returns the text of a scene for a picture of this page's size, with the shape of its own film.
 function sized(scene) {

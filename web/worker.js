@@ -32,9 +32,12 @@ const TASKS = {
   },
   /// Renders a part of the passes after its first `done` ones. The first part also sends coarse
   /// pictures before its first pass. Sends the passes after the first one, then at most once in
-  /// `pause` milliseconds, and at the end. They move, so the next message has only later ones.
+  /// `pause` milliseconds, less and less often, and at the end. They move, so the next message has
+  /// only later ones. A browser frees the memory of messages late, so there should be few of them.
   render({ index, of, passes, done, pause }) {
+    const GROWTH = 1.5, begun = performance.now();
     let sent = -Infinity;
+    const isEarly = () => performance.now() - sent < Math.max(pause, GROWTH * (sent - begun));
     const show = bytes => postMessage({ coarse: bytes.buffer }, [bytes.buffer]);
     const send = arrays => {
       const pieces = arrays.map(bytes => bytes.buffer);
@@ -42,7 +45,7 @@ const TASKS = {
       sent = performance.now();
       return true;
     };
-    send(engine.render(index, of, passes, done, () => performance.now() - sent < pause || send, index ? undefined : show));
+    send(engine.render(index, of, passes, done, () => isEarly() || send, index ? undefined : show));
   },
 };
 
