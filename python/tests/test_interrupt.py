@@ -70,13 +70,13 @@ def test_ctrl_c_stops_a_measurement_within_a_pass(scene: dict[str, Any]) -> None
 
 
 def assert_ends_soon(render: Callable[[], object]) -> None:
-    """Interrupts a long call after a second, and checks that it ends within two more seconds."""
-    interrupt_after(1.0)
+    """Interrupts a long call soon after its start, and checks that it ends within two seconds."""
+    interrupt_after(0.25)
     start = time.monotonic()
     with pytest.raises(KeyboardInterrupt) as caught:
         render()
     assert not isinstance(caught.value, abbe.Interrupted)
-    assert time.monotonic() - start < 3.0
+    assert time.monotonic() - start < 2.25
 
 
 def test_other_threads_run_during_a_render(scene: dict[str, Any]) -> None:
